@@ -1,0 +1,64 @@
+# flatrig: `make demo` runs the comparison, `make test` checks everything, `make help` lists the rest.
+
+PYTHON ?= $(shell command -v python3.11 || echo python3)
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+INSTALL := $(PIP) install --quiet --constraint constraints.txt
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help install demo test lint types bench scenes train reproduce clean
+
+help:  ## list the targets
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
+
+# Installs are repeated only when the package's metadata or the pins change.
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("flatrig needs Python 3.11 or later, found " + sys.version.split()[0] + "; try make PYTHON=/path/to/python3.11")'
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.core: pyproject.toml constraints.txt | $(BIN)/python
+	$(INSTALL) setuptools
+	$(INSTALL) --no-build-isolation --editable .
+	@touch $@
+
+$(VENV)/.dev: pyproject.toml constraints.txt | $(BIN)/python
+	$(INSTALL) setuptools
+	$(INSTALL) --no-build-isolation --editable '.[dev,train,video]'
+	@mkdir -p $(VENV)/src && ln -sfn ../.. $(VENV)/src/flatrig
+	@touch $@ $(VENV)/.core
+
+install: $(VENV)/.core  ## set up .venv with what the package needs, without torch
+
+demo: $(VENV)/.core  ## compare the controllers on the overhead crane: a table, and a figure in results/
+	$(BIN)/flatrig compare overhead
+
+test: lint types  ## ruff, mypy and the whole test suite
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/.dev  ## ruff alone
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+# mypy cannot follow an editable install; .venv/src/flatrig is a link to this folder (pyproject.toml).
+types: $(VENV)/.dev  ## mypy alone
+	$(BIN)/mypy
+
+bench: $(VENV)/.core  ## measure the solver and the environments on this machine
+	$(BIN)/flatrig bench
+
+scenes: $(VENV)/.core  ## write the default scenes to models/*.xml
+	$(BIN)/python -m flatrig.models.scenes
+
+train: $(VENV)/.dev  ## train the residual policies of the overhead and the rotary crane
+	$(BIN)/flatrig train overhead
+	$(BIN)/flatrig train rotary
+
+reproduce: scenes train  ## remake everything that is shipped, then compare on both cranes
+	$(BIN)/flatrig compare overhead
+	$(BIN)/flatrig compare rotary
+
+clean:  ## remove .venv, caches and build files; results/ and runs/ stay
+	rm -rf $(VENV) build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
