@@ -1,0 +1,197 @@
+"""Rig descriptions: what they accept, what they refuse, and TOML."""
+
+import dataclasses
+import math
+
+import pytest
+
+from flatrig import models
+from flatrig.models import (
+    CATALOGUE,
+    Anchor,
+    Drive,
+    Frame,
+    Load,
+    Move,
+    OutputError,
+    PathError,
+    Rail,
+    RigError,
+    Rope,
+    Sheave,
+    Trolley,
+)
+
+OVERHEAD = models.overhead_crane()
+
+
+def change(rig=OVERHEAD, **fields):
+    return dataclasses.replace(rig, **fields)
+
+
+def test_names_and_order_are_the_sources():
+    assert OVERHEAD.input_names == ("trolley", "winch")
+    assert OVERHEAD.outputs == ("load.x", "load.z")
+    rotary = models.rotary_crane()
+    assert rotary.input_names == ("bridge", "trolley", "winch")
+    assert rotary.coordinate_names[:3] == ("bridge.angle", "trolley.position", "hoist.length")
+    assert rotary.rope_names == ("hoist",)
+
+
+def test_data_sets_of_the_rotary_crane():
+    small = models.rotary_crane_small()
+    assert small.frames[0].inertia == 19.01
+    assert [mass.mass for mass in small.masses] == [53.0, 10.0]
+    assert small.ropes[0].inertia_along == pytest.approx(2.0)
+    assert models.rotary_crane().ropes[0].inertia_along == pytest.approx(10.0)
+
+
+def test_rigs_are_values():
+    assert models.overhead_crane() == models.overhead_crane()
+    assert hash(models.overhead_crane()) == hash(models.overhead_crane())
+    assert models.overhead_crane() != models.overhead_crane(load_mass=99.0)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        OVERHEAD.gravity = 1.0
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"ropes": (Rope("hoist", ("load",), 0.1, 0.1),)}, "its path has 1 point, it needs 2"),
+        ({"ropes": (Rope("hoist", ("load", "load"), 0.1, 0.1),)}, "from 'load' to itself"),
+        ({"ropes": (Rope("hoist", ("troley", "load"), 0.1, 0.1),)}, "did you mean trolley"),
+        ({"ropes": (Rope("hoist", ("trolley", "load"), 0.0, 0.1),)}, "drum_radius is 0 m"),
+        ({"ropes": (Rope("hoist", ("trolley", "load"), 0.1, -1.0),)}, "winch_inertia is -1 kg m2"),
+        (
+            {"ropes": (Rope("hoist", ("trolley", "load"), 0.1, 1, (Sheave("load", 1, 1),)),)},
+            "a sheave names 'load'",
+        ),
+        ({"masses": (Trolley("trolley", 0.0, "beam"), Load("load", 1.0))}, "mass is 0 kg"),
+        ({"masses": (Trolley("trolley", 1.0, "beam"), Load("load", 0.0))}, "no load with a mass"),
+        ({"masses": (Trolley("trolley", 1.0, "baem"), Load("load", 1.0))}, "did you mean beam"),
+        ({"masses": (Trolley("t", math.nan, "beam"), Load("load", 1.0))}, "mass is nan, it must"),
+        ({"masses": (Trolley("t", "5", "beam"), Load("load", 1.0))}, "mass is '5', it must be a n"),
+        ({"outputs": ("load.x", "load.y")}, "output 'load.y' is not a coordinate; did you mean"),
+        ({"outputs": ("load.x", "load.x")}, "output 'load.x' is named twice"),
+        ({"outputs": ("load.x",)}, "1 outputs for 2 drives"),
+        ({"rails": (Rail("beam", (1.0, 1.0, 0.0)),)}, "it must be a unit vector"),
+        ({"rails": (Rail("beam", (0.0, 1.0, 0.0)),)}, "a planar rig lies in the plane y = 0"),
+        ({"rails": (Rail("beam", (1.0, 0.0, 0.0), start=3, end=1),)}, "must lie below end"),
+        ({"rails": (Rail("beam", (1.0, 0.0)),)}, "direction has 2 numbers, it needs 3"),
+        ({"rails": (Rail("trolley", (1.0, 0.0, 0.0)),)}, "the name 'trolley' is used twice"),
+        ({"anchors": (Anchor("world", (0.0, 0.0, 0.0)),)}, "taken by the fixed frame"),
+        ({"anchors": (Anchor("a b", (0.0, 0.0, 0.0)),)}, "letters, digits"),
+        ({"frames": (Frame("mast", "turning", 1.0),)}, "a planar rig has no turning frame"),
+        ({"frames": (Frame("mast", "rolling", 1.0),)}, "it must be turning or sliding"),
+        ({"gravity": 0.0}, "gravity is 0.0, it must be > 0"),
+        ({"gravity": math.nan}, "gravity is nan"),
+        ({"dimensions": 4}, "dimensions is 4, it must be 2 or 3"),
+        ({"home": {"trolley": 0.0}}, "home of load load is missing"),
+        ({"home": {"trolley": math.inf, "load": (0, 0, -1)}}, "home of trolley is inf"),
+        ({"home": {"load": (0, 0)}}, "home of load is"),
+        ({"home": {"lod": (0, 0, 0)}}, "did you mean load"),
+        (
+            {"drives": (Drive("a", "trolley", 1.0), Drive("b", "trolley", 1.0))},
+            "two drives act on 'trolley'",
+        ),
+        (
+            {"drives": (Drive("a", "trolley", 0.0), Drive("b", "hoist", 1.0))},
+            "limit is 0 N or N m, it must be > 0",
+        ),
+        ({"drives": (Drive("a", "load", 1.0), Drive("b", "hoist", 1.0))}, "names 'load'"),
+    ],
+)
+def test_validation_names_what_is_wrong(fields, message):
+    with pytest.raises(RigError) as error:
+        change(**fields)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", list(CATALOGUE))
+def test_toml_and_back(name, tmp_path):
+    rig, move = models.make(name), models.default_move(name)
+    models.dump(tmp_path / "rig.toml", rig, move)
+    assert models.load(tmp_path / "rig.toml") == (rig, move)
+
+
+def test_toml_may_name_a_catalogue_rig_with_overrides():
+    rig, move = models.loads('rig = "overhead"\nload_mass = 80.0')
+    assert rig == models.overhead_crane(load_mass=80.0)
+    assert move == models.default_move("overhead_crane")
+    rig, move = models.loads(
+        'rig = "overhead"\n[move]\nstart = [0, -4]\ngoal = [1, -4]\nduration = 2'
+    )
+    assert move == Move((0.0, -4.0), (1.0, -4.0), 2)
+
+
+def test_a_sheave_survives_toml():
+    rig = change(
+        masses=(Trolley("trolley", 1.0, "beam"), Load("pulley", 1.0), Load("load", 2.0)),
+        ropes=(Rope("hoist", ("trolley", "pulley", "load"), 0.1, 0.1, (Sheave("pulley", 1, 2),)),),
+        home={"pulley": (0, 0, -1), "load": (0.0, 0.0, -4.0)},
+    )
+    assert models.loads(models.dumps(rig)) == (rig, None)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("name = ", "not TOML"),
+        ('nam = "a"', "unknown entry 'nam'; did you mean name?"),
+        ('name = "a"', "the entry 'outputs' is missing"),
+        ('rig = "ovrhead_crane"', "did you mean overhead_crane"),
+        ('rig = "overhead"\nload_mas = 3', "no parameter 'load_mas'; did you mean load_mass?"),
+        ('rig = "overhead"\nload_mass = -3', "mass is -3 kg"),
+        ('rig = "overhead"\nload_mass = nan', "mass is nan"),
+        ('rig = "overhead"\nload_mass = "heavy"', "must be a number"),
+        ('name = "a"\noutputs = []\nropes = 3', "ropes must be an array of tables"),
+        ('name = "a"\noutputs = []\n[[rails]]\nname = "r"', "the entry 'direction' is missing"),
+        ('name = "a"\noutputs = []\n[[rails]]\nnaem = "r"', "did you mean name?"),
+        ('name = "a"\noutputs = 3', "outputs"),
+        ('name = 3\noutputs = ["x"]', "name"),
+        ('name = "a"\noutputs = ["x"]\nhome = 3', "home"),
+    ],
+)
+def test_wrong_toml_is_one_clear_line(text, message):
+    with pytest.raises(RigError) as error:
+        models.loads(text)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_wrong_moves_are_one_clear_line(tmp_path):
+    for text, message in [
+        ("start = [0, -4]\ngoal = [5, -1]\nduration = 0", "duration is 0 s, it must be > 0"),
+        ("start = [0, nan]\ngoal = [5, -1]\nduration = 1", "start is (0.0, nan)"),
+        ("start = [0]\ngoal = [5, -1]\nduration = 1", "start has 1 values and goal 2"),
+        ('start = [0]\ngoal = [5]\nduration = 1\nprofile = "bang"', "profile is 'bang'"),
+        ('profile = "sampled"', "needs `samples`"),
+        ("begin = [0]", "unknown entry 'begin'"),
+        ('start = ["a"]\ngoal = [5]\nduration = 1', "wrong type"),
+        ('start = [1]\ngoal = [5]\nduration = "long"', "wrong type"),
+    ]:
+        file = tmp_path / "rig.toml"
+        file.write_text(f'rig = "overhead"\n[move]\n{text}')
+        with pytest.raises(PathError) as error:
+            models.load(file)
+        assert message in str(error.value)
+        assert "rig.toml" in str(error.value)
+
+
+def test_files_that_cannot_be_read_or_written(tmp_path):
+    with pytest.raises(RigError, match=r"cannot read .*missing\.toml: No such file"):
+        models.load(tmp_path / "missing.toml")
+    (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(RigError, match="not a text file"):
+        models.load(tmp_path / "binary.toml")
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(OutputError, match="cannot write"):
+        models.dump(tmp_path / "file" / "rig.toml", OVERHEAD)
+
+
+def test_catalogue_names():
+    assert models.full_name("overhead") == "overhead_crane"
+    assert models.full_name("rotary-crane") == "rotary_crane"
+    with pytest.raises(RigError, match="no parameter 'mass'"):
+        models.make("overhead", mass=3.0)
