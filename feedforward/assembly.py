@@ -1,0 +1,199 @@
+"""Assembles the equations of motion of a rig from its parts."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from ..models.rig import WORLD, Frame, Load, Rig, Rope, Trolley
+from .equations import Array, Equations
+
+
+@lru_cache(maxsize=256)
+def equations_of(rig: Rig) -> Equations:
+    """The equations of motion of a rig; made once for each rig."""
+    return _Builder(rig).build()
+
+
+class _Builder:
+    """Collects the terms of one rig's equations; affine rows act on (q, 1)."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig = rig
+        self.points = (*rig.anchors, *rig.masses)
+        self.names = self._coordinates()
+        n = len(self.names)
+        self.mass = np.zeros((n, n))
+        self.force = np.zeros(n)
+        self.constraints: list[Array] = []
+        self.constraint_names: list[str] = []
+        self.inputs = np.zeros((n, len(rig.drives), n + 1))
+
+    def build(self) -> Equations:
+        self._frames()
+        self._masses()
+        spans, lengths = [], []
+        for rope in self.rig.ropes:
+            rows = self._rope(rope)
+            first = len(self.constraints) - len(rows)
+            spans.append(tuple(range(first, len(self.constraints))))
+            lengths.append(rows)
+        self._drives()
+        n = len(self.names)
+        stacked = np.array(self.constraints).reshape(-1, n + 1, n + 1)
+        for array in (self.mass, self.force, stacked, self.inputs, *lengths):
+            array.flags.writeable = False
+        return Equations(
+            rig=self.rig,
+            names=tuple(self.names),
+            constraint_names=tuple(self.constraint_names),
+            mass=self.mass,
+            force=self.force,
+            constraints=stacked,
+            input_constant=self.inputs[:, :, -1],
+            input_linear=self.inputs[:, :, :-1],
+            turning=tuple(
+                (frame.coordinate, self.index(f"{frame.name}.cos"), self.index(f"{frame.name}.sin"))
+                for frame in self.rig.frames
+                if frame.kind == "turning"
+            ),
+            spans=tuple(spans),
+            span_lengths=tuple(lengths),
+            points={part.name: self.position(part.name) for part in self.points},
+        )
+
+    def _coordinates(self) -> list[str]:
+        """Frames, trolleys, ropes, loads as in `Rig.coordinate_names`, then the auxiliary ones."""
+        rig = self.rig
+        names: list[str] = []
+        for name in rig.coordinate_names:
+            frame = next((f for f in rig.frames if f.coordinate == name), None)
+            if frame is not None and frame.kind == "turning":
+                names += [f"{frame.name}.cos", f"{frame.name}.sin"]
+            else:
+                names.append(name)
+        for rope in rig.ropes:
+            names += [f"{rope.name}.span{i}" for i in range(1, len(rope.path) - 1)]
+        for trolley in rig.trolleys:
+            frame = rig.frame(rig.rail(trolley.rail).frame)
+            if frame is not None and frame.kind == "turning":
+                names += [f"{trolley.name}.x", f"{trolley.name}.y"]
+        return names
+
+    def index(self, name: str) -> int:
+        return self.names.index(name)
+
+    def row(self, name: str | None = None, constant: float = 0.0) -> Array:
+        """The affine row of one coordinate, or of a constant."""
+        row = np.zeros(len(self.names) + 1)
+        if name is not None:
+            row[self.index(name)] = 1.0
+        row[-1] = constant
+        return row
+
+    def constrain(self, name: str, *products: tuple[float, Array, Array]) -> None:
+        """Add the constraint that a sum of weighted products of affine rows vanishes."""
+        matrix = sum(w * (np.outer(a, b) + np.outer(b, a)) for w, a, b in products)
+        self.constraints.append(np.asarray(matrix))
+        self.constraint_names.append(name)
+
+    def add_inertia(self, mass: float, *rows: Array) -> None:
+        """Add the kinetic energy 1/2 mass |d/dt rows|^2."""
+        for row in rows:
+            self.mass += mass * np.outer(row[:-1], row[:-1])
+
+    def _frames(self) -> None:
+        one = self.row(constant=1.0)
+        for frame in self.rig.frames:
+            if frame.kind == "turning":
+                pair = self.row(f"{frame.name}.cos"), self.row(f"{frame.name}.sin")
+                self.add_inertia(frame.inertia, *pair)
+                self.constrain(
+                    f"{frame.name}.unit", *((0.5, row, row) for row in pair), (-0.5, one, one)
+                )
+            else:
+                self.add_inertia(frame.inertia, self.row(frame.coordinate))
+
+    def _in_frame(self, frame: Frame | None, vector: tuple[float, float, float]) -> Array:
+        """World direction of a vector fixed in a frame, affine, shape (3, n + 1)."""
+        x, y, z = vector
+        if frame is None or frame.kind == "sliding":
+            return np.array([self.row(constant=value) for value in vector])
+        cos, sin = self.row(f"{frame.name}.cos"), self.row(f"{frame.name}.sin")
+        return np.array([x * cos - y * sin, x * sin + y * cos, self.row(constant=z)])
+
+    def _origin(self, frame: Frame | None) -> Array:
+        """World position of a frame's origin, affine, shape (3, n + 1)."""
+        if frame is None or frame.kind == "turning":
+            return np.zeros((3, len(self.names) + 1))
+        return np.outer(frame.axis, self.row(frame.coordinate))
+
+    def position(self, name: str) -> Array:
+        """World position of a point, affine, shape (3, n + 1)."""
+        part = next(p for p in self.points if p.name == name)
+        if isinstance(part, Load):
+            rows = [
+                self.row(f"{name}.{axis}") if axis in self.rig.axes else self.row()
+                for axis in "xyz"
+            ]
+            return np.array(rows)
+        if isinstance(part, Trolley):
+            rail = self.rig.rail(part.rail)
+            frame = self.rig.frame(rail.frame)
+            along = self.row(part.coordinate)
+            height = self.row(constant=rail.origin[2]) + rail.direction[2] * along
+            if frame is not None and frame.kind == "turning":
+                return np.array([self.row(f"{name}.x"), self.row(f"{name}.y"), height])
+            fixed = self._origin(frame) + self._in_frame(frame, rail.origin)
+            return fixed + np.outer(rail.direction, along)
+        frame = None if part.frame == WORLD else self.rig.frame(part.frame)
+        return self._origin(frame) + self._in_frame(frame, part.position)
+
+    def _masses(self) -> None:
+        one = self.row(constant=1.0)
+        for part in self.rig.masses:
+            rows = self.position(part.name)
+            self.add_inertia(part.mass, *rows)
+            self.force -= part.mass * self.rig.gravity * rows[2, :-1]
+            if isinstance(part, Load) or f"{part.name}.x" not in self.names:
+                continue
+            rail = self.rig.rail(part.rail)
+            frame = self.rig.frame(rail.frame)
+            origin = self._in_frame(frame, rail.origin)
+            direction = self._in_frame(frame, rail.direction)
+            along = self.row(part.coordinate)
+            for axis, letter in enumerate("xy"):
+                self.constrain(
+                    f"{part.name}.rail_{letter}",
+                    (1.0, one, rows[axis] - origin[axis]),
+                    (-1.0, along, direction[axis]),
+                )
+
+    def _rope(self, rope: Rope) -> Array:
+        """Constraints and inertia of a rope; returns its spans' lengths, affine."""
+        points = [self.position(name) for name in rope.path]
+        rows = [self.row(f"{rope.name}.span{i}") for i in range(1, len(points) - 1)]
+        lengths = np.array([*rows, self.row(rope.coordinate) - sum(rows)])
+        for i, length in enumerate(lengths):
+            span = points[i + 1] - points[i]
+            self.constrain(
+                f"{rope.name}.{i + 1}",
+                *((0.5, row, row) for row in span if row.any()),
+                (-0.5, length, length),
+            )
+        self.add_inertia(rope.inertia_along, self.row(rope.coordinate))
+        for sheave in rope.sheaves:
+            beyond = lengths[rope.path.index(sheave.at) :].sum(axis=0)
+            self.add_inertia(sheave.inertia / sheave.radius**2, beyond)
+        return lengths
+
+    def _drives(self) -> None:
+        for column, drive in enumerate(self.rig.drives):
+            part = self.rig.driven(drive)
+            if isinstance(part, Frame) and part.kind == "turning":
+                # Virtual work M d(angle), with d(angle) = cos d(sin) - sin d(cos).
+                cos, sin = self.index(f"{part.name}.cos"), self.index(f"{part.name}.sin")
+                self.inputs[sin, column, cos] = 1.0
+                self.inputs[cos, column, sin] = -1.0
+            else:
+                gear = 1.0 / part.drum_radius if isinstance(part, Rope) else 1.0
+                self.inputs[self.index(part.coordinate), column, -1] = gear

@@ -1,0 +1,85 @@
+"""What every reference path asks of its numbers, with one clear line where they fail."""
+
+import math
+import operator
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..models.errors import PathError
+
+FloatArray = NDArray[np.float64]
+
+SHORTEST, LONGEST = 1e-6, 1e9
+"""Durations [s] whose powers, by which derivatives are divided, stay far from overflow."""
+
+
+def check_order(name: str, order: object, *, lowest: int = 0, highest: int | None = None) -> int:
+    """The order of a path, or of the derivatives wanted from it.
+
+    Raises:
+        PathError: it is not a whole number, or out of range.
+    """
+    limits = f">= {lowest}" if highest is None else f"from {lowest} to {highest}"
+    try:
+        number = operator.index(order)  # type: ignore[arg-type]
+    except TypeError:
+        number = lowest - 1
+    if isinstance(order, bool) or number < lowest or (highest is not None and number > highest):
+        raise PathError(f"{name} is {order!r}, it must be a whole number {limits}")
+    return number
+
+
+def check_duration(duration: object, name: str = "duration") -> float:
+    """A time that something takes, in s.
+
+    Raises:
+        PathError: it is not a number > 0, or absurdly small or large.
+    """
+    number = _number(duration)
+    if not SHORTEST <= number <= LONGEST:
+        given = f"{number:g} s" if _is_number(duration) else repr(duration)
+        raise PathError(f"{name} is {given}, it must be > 0 ({SHORTEST:g} s to {LONGEST:g} s)")
+    return number
+
+
+def check_point(name: str, point: object) -> tuple[float, ...]:
+    """A point of the path, one finite coordinate or more.
+
+    Raises:
+        PathError: it is something else.
+    """
+    try:
+        array = np.atleast_1d(np.asarray(point, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise PathError(f"{name} is {point!r}, it must be finite numbers") from None
+    if array.ndim != 1 or array.size == 0 or not np.isfinite(array).all():
+        given = point.tolist() if isinstance(point, np.ndarray) else point
+        raise PathError(f"{name} is {given!r}, it must be one finite number for each output")
+    return tuple(array.tolist())
+
+
+def check_times(times: ArrayLike) -> FloatArray:
+    """Times as an array of shape (N,).
+
+    Raises:
+        PathError: a time is NaN or not a number, or they have another shape.
+    """
+    try:
+        array = np.atleast_1d(np.asarray(times, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise PathError("times must be numbers in s, of shape (N,)") from None
+    if array.ndim != 1:
+        raise PathError(f"times have shape {array.shape}, they must have shape (N,)")
+    missing = np.isnan(array)
+    if missing.any():
+        raise PathError(f"times[{int(missing.argmax())}] is NaN, it must be a time in s")
+    return array
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+
+
+def _number(value: object) -> float:
+    return float(value) if _is_number(value) else math.nan  # type: ignore[arg-type]

@@ -1,0 +1,51 @@
+"""How well a motion satisfies a rig's equations, computed from its named results alone."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .motion import Motion
+from .reference import Reference
+from .structure import analyse
+
+Array = NDArray[np.float64]
+
+
+def residuals(motion: Motion, reference: Reference) -> Array:
+    """Residual of every equation at every sample, relative to the sum of its terms' sizes.
+
+    Equations of motion, constraints and servo constraints stand in the order of
+    `analyse(rig).rows`.  Shape (N, equations).
+    """
+    values, seconds = _unknowns(motion)
+    path = reference(motion.times)
+    columns = []
+    for row in analyse(motion.rig).rows:
+        terms = [np.full(len(path), row.constant)]
+        terms += [a * values[j] for a, j in row.linear]
+        terms += [a * seconds[j] for a, j in row.second]
+        terms += [a * values[j] * values[k] for a, j, k in row.quadratic]
+        if row.output is not None:
+            terms.append(-path[:, row.output])
+        scale = np.sum(np.abs(terms), axis=0)
+        columns.append(np.abs(np.sum(terms, axis=0)) / np.where(scale > 0, scale, 1.0))
+    return np.array(columns).T
+
+
+def _unknowns(motion: Motion) -> tuple[list[Array], list[Array]]:
+    """All unknowns and their second derivatives, in the order of the analysis."""
+    table: dict[str, tuple[Array, Array]] = {}
+    for i, name in enumerate(motion.coordinate_names):
+        table[name] = motion.positions[:, i], motion.accelerations[:, i]
+    for frame in motion.rig.frames:
+        if frame.kind == "turning":
+            i = motion.column(frame.coordinate)
+            angle, rate = motion.positions[:, i], motion.velocities[:, i]
+            turn = motion.accelerations[:, i]
+            cos, sin = np.cos(angle), np.sin(angle)
+            table[f"{frame.name}.cos"] = cos, -sin * turn - cos * rate**2
+            table[f"{frame.name}.sin"] = sin, cos * turn - sin * rate**2
+    names = analyse(motion.rig).unknowns
+    first = len(names) - motion.multipliers.shape[1] - motion.inputs.shape[1]
+    pairs = [table[name] for name in names[:first]]
+    forces = np.hstack((motion.multipliers, motion.inputs)).T
+    return [p for p, _ in pairs] + list(forces), [a for _, a in pairs]

@@ -1,0 +1,203 @@
+"""Generated equations against the printed ones, term by term at random states."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from flatrig import models
+from flatrig.feedforward import equations_of, redundant
+from flatrig.models import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Sheave, Trolley
+
+SMALL = {"load_mass": 10.0, "trolley_mass": 53.0, "bridge_inertia": 19.01, "winch_inertia": 0.02}
+
+
+def relative(actual, desired):
+    assert_allclose(actual, desired, rtol=1e-12, atol=1e-12 * np.abs(desired).max(initial=1e-300))
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(5)
+
+
+def test_overhead_crane_is_y_5_41_to_5_47(rng):
+    m, m_t, inertia, r, g = 70.0, 12.0, 0.3, 0.2, 9.7
+    rig = models.overhead_crane(
+        load_mass=m, trolley_mass=m_t, winch_inertia=inertia, drum_radius=r, gravity=g
+    )
+    made = equations_of(rig)
+    assert made.names == ("trolley.position", "hoist.length", "load.x", "load.z")
+    relative(made.mass, np.diag([m_t, inertia / r**2, m, m]))  # (5.44)
+    relative(made.force, [0, 0, 0, -m * g])  # (5.45)
+    relative(made.input_constant, [[1, 0], [0, 1 / r], [0, 0], [0, 0]])  # (5.45)
+    assert not made.input_linear.any()
+    for s, length, x, z in rng.normal(size=(20, 4)):
+        state = np.array([s, length, x, z])
+        phi = 0.5 * ((x - s) ** 2 + z**2 - length**2)  # (5.42)
+        relative(made.constraint_values(state), [phi])
+        gradient = [[-(x - s), -length, x - s, z]]  # (5.43)
+        relative(made.constraint_jacobian(state), gradient)
+
+
+@pytest.mark.parametrize("data", [{}, SMALL])
+def test_rotary_crane_reduces_to_y_5_71_to_5_77(rng, data):
+    """The map (phi, s, l, x, y, z) -> q must turn the generated equations into the printed ones,
+    with the signs of (5.137) for the Coriolis terms."""
+    rig = models.rotary_crane(**data)
+    m, m_t = rig.loads[0].mass, rig.trolleys[0].mass
+    bridge, winch, r = rig.frames[0].inertia, rig.ropes[0].inertia_along, rig.ropes[0].drum_radius
+    made = equations_of(rig)
+    place = {name: i for i, name in enumerate(made.names)}
+    span = made.constraint_names.index("hoist.1")
+    for phi, s, length, x, y, z in rng.normal(size=(20, 6)):
+        rate, speed = rng.normal(size=2)
+        c, n = np.cos(phi), np.sin(phi)
+        q = np.zeros(len(made.names))
+        tangent = np.zeros((len(made.names), 6))
+        bend = np.zeros(len(made.names))  # second derivative of the map along the rates
+        for name, value, row, second in [
+            ("bridge.cos", c, [-n, 0], -c * rate**2),
+            ("bridge.sin", n, [c, 0], -n * rate**2),
+            ("trolley.x", s * c, [-s * n, c], -s * c * rate**2 - 2 * n * rate * speed),
+            ("trolley.y", s * n, [s * c, n], -s * n * rate**2 + 2 * c * rate * speed),
+            ("trolley.position", s, [0, 1], 0),
+        ]:
+            q[place[name]], tangent[place[name], :2], bend[place[name]] = value, row, second
+        for column, (name, value) in enumerate(
+            [("hoist.length", length), ("load.x", x), ("load.y", y), ("load.z", z)], start=2
+        ):
+            q[place[name]], tangent[place[name], column] = value, 1.0
+        values, slopes = made.constraint_values(q), made.constraint_jacobian(q)
+        others = [k for k in range(len(values)) if k != span]
+        assert_allclose(values[others], 0, atol=1e-14)  # the map solves all constraints but one
+        assert_allclose(slopes[others] @ tangent, 0, atol=1e-13)
+        mass = np.diag([bridge + m_t * s**2, m_t, winch, m, m, m])  # (5.74)
+        relative(tangent.T @ made.mass @ tangent, mass)
+        coriolis = [-2 * m_t * s * speed * rate, m_t * s * rate**2, 0]  # (5.137)
+        force = tangent.T @ (made.force - made.mass @ bend)
+        relative(force, [*coriolis, 0, 0, -m * rig.gravity])  # (5.75) corrected
+        inputs = np.zeros((6, 3))
+        inputs[:3] = np.diag([1, 1, 1 / r])  # (5.75)
+        relative(tangent.T @ made.input_matrix(q), inputs)
+        phi_value = 0.5 * ((x - s * c) ** 2 + (y - s * n) ** 2 + z**2 - length**2)
+        relative(values[span], phi_value)  # (5.72)
+        gradient = [(x * n - y * c) * s, s - x * c - y * n, -length, x - s * c, y - s * n, z]
+        relative(slopes[span] @ tangent, gradient)  # (5.73)
+
+
+def extended_rotary_crane() -> Rig:
+    """Y 5.4.4: winches 1 and 2 on the bridge, a sheave in the trolley."""
+    return Rig(
+        name="extended_rotary_crane",
+        frames=(Frame("bridge", "turning", inertia=480.0),),
+        anchors=(
+            Anchor("winch1", (-0.5 * 4.0, 0.0, 0.0), frame="bridge"),
+            Anchor("winch2", (-4.0, 0.0, 0.0), frame="bridge"),
+        ),
+        rails=(Rail("girder", (1.0, 0.0, 0.0), frame="bridge"),),
+        masses=(Trolley("trolley", 10.0, "girder"), Load("load", 100.0)),
+        ropes=(
+            Rope("first", ("winch1", "trolley"), drum_radius=0.2, winch_inertia=0.3),
+            Rope(
+                "second",
+                ("winch2", "trolley", "load"),
+                drum_radius=0.15,
+                winch_inertia=0.4,
+                sheaves=(Sheave("trolley", inertia=0.1, radius=0.1),),
+            ),
+        ),
+        drives=(
+            Drive("first", on="first", limit=1.0),
+            Drive("second", on="second", limit=1.0),
+            Drive("bridge", on="bridge", limit=1.0),
+        ),
+        outputs=("load.x", "load.y", "load.z"),
+        home={"trolley": 5.0, "load": (5.0, 0.0, -5.0)},
+    )
+
+
+def test_extended_rotary_crane_is_y_5_122_to_5_127(rng):
+    """With (x2, y2) = -r (cos, sin) for the bridge; the rail's constraints replace the collinearity
+    of (5.122) and the sheave's rate is (L2 - L0)', which that constraint makes (L2 - L1)'."""
+    rig = extended_rotary_crane()
+    made = equations_of(rig)
+    at = {name: i for i, name in enumerate(made.names)}
+    alpha, r, m, m0 = 0.5, 4.0, 100.0, 10.0
+    heavy = 480.0 / r**2
+    r1, r2, sheave = 0.2, 0.15, 0.1 / 0.1**2
+    for x2, y2, x0, y0, l1, l2, l0, x, y, z in rng.normal(size=(20, 10)):
+        q = np.zeros(len(at))
+        for name, value in {
+            "bridge.cos": -x2 / r,
+            "bridge.sin": -y2 / r,
+            "trolley.x": x0,
+            "trolley.y": y0,
+            "first.length": l1,
+            "second.length": l2,
+            "second.span1": l0,
+            "load.x": x,
+            "load.y": y,
+            "load.z": z,
+        }.items():
+            q[at[name]] = value
+        # Columns of D map the printed coordinates' rates to those of q.
+        printed = ["bridge.cos", "bridge.sin", "trolley.x", "trolley.y", "first.length"]
+        printed += ["second.length", "second.span1", "load.x", "load.y", "load.z"]
+        to_q = np.zeros((len(at), 10))
+        for column, name in enumerate(printed):
+            to_q[at[name], column] = -1 / r if column < 2 else 1.0
+        mass = np.diag([heavy, heavy, m0, m0, 0.3 / r1**2, 0.4 / r2**2, 0.0, m, m, m])
+        mass[5:7, 5:7] += sheave * np.array([[1, -1], [-1, 1]])  # (5.125), L1' = L0'
+        relative(to_q.T @ made.mass @ to_q, mass)
+        values = dict(zip(made.constraint_names, made.constraint_values(q), strict=True))
+        slopes = dict(zip(made.constraint_names, made.constraint_jacobian(q) @ to_q, strict=True))
+        one, two = x0 - alpha * x2, y0 - alpha * y2
+        relative(values["first.1"], 0.5 * (one**2 + two**2 - l1**2))  # (5.122a)
+        relative(values["second.1"], 0.5 * ((x0 - x2) ** 2 + (y0 - y2) ** 2 - l0**2))  # (5.122b)
+        relative(values["bridge.unit"] * r**2, 0.5 * (x2**2 + y2**2 - r**2))  # (5.122c)
+        phi = 0.5 * ((x - x0) ** 2 + (y - y0) ** 2 + z**2 - (l2 - l0) ** 2)
+        relative(values["second.2"], phi)  # (5.123)
+        # (5.127), whose gradients have the opposite sign: the multipliers' sign is a convention.
+        h1 = -np.array([alpha * one, alpha * two, -one, -two, l1, 0, 0, 0, 0, 0])
+        h2 = -np.array([x0 - x2, y0 - y2, x2 - x0, y2 - y0, 0, 0, l0, 0, 0, 0])
+        g = -np.array([0, 0, x - x0, y - y0, 0, l2 - l0, l0 - l2, x0 - x, y0 - y, -z], dtype=float)
+        relative(slopes["first.1"], h1)
+        relative(slopes["second.1"], h2)
+        relative(slopes["bridge.unit"] * r**2, np.array([x2, y2, *np.zeros(8)]))
+        relative(slopes["second.2"], g)
+        inputs = np.zeros((10, 3))
+        inputs[4, 0], inputs[5, 1] = 1 / r1, 1 / r2
+        inputs[0, 2], inputs[1, 2] = -y2 / r**2, x2 / r**2
+        relative(to_q.T @ made.input_matrix(q), inputs)  # (5.126)
+        force = np.zeros(10)
+        force[9] = -m * 9.81
+        relative(to_q.T @ made.force, force)  # (5.126)
+
+
+def test_redundant_coordinates_satisfy_the_constraints_and_their_rates(rng):
+    for rig in (models.make(name) for name in models.CATALOGUE):
+        made = equations_of(rig)
+        names = [name for name in rig.coordinate_names if not name.endswith(".length")]
+        values = {name: rng.uniform(1, 2, size=7) for name in names}
+        rates = {name: rng.normal(size=7) for name in names}
+        q, v = redundant(made, values, rates)
+        assert_allclose(made.constraint_values(q), 0, atol=1e-13)
+        speed = np.einsum("nki,ni->nk", made.constraint_jacobian(q), v)
+        assert_allclose(speed, 0, atol=1e-13)
+
+
+def test_accelerations_satisfy_the_equations_and_the_hidden_constraints(rng):
+    rig = models.rotary_crane()
+    made = equations_of(rig)
+    names = [name for name in rig.coordinate_names if not name.endswith(".length")]
+    values = {name: rng.uniform(1, 2, size=5) for name in names}
+    q, v = redundant(made, values, {name: rng.normal(size=5) for name in names})
+    inputs = rng.normal(size=(5, 3)) * 100
+    acceleration, multipliers = made.accelerations(q, v, inputs)
+    jacobian = made.constraint_jacobian(q)
+    motion = acceleration @ made.mass - made.force
+    motion += np.einsum("nki,nk->ni", jacobian, multipliers)
+    motion -= np.einsum("nia,na->ni", made.input_matrix(q), inputs)
+    assert_allclose(motion, 0, atol=1e-9)
+    hidden = np.einsum("nki,ni->nk", jacobian, acceleration) + made.constraint_curvature(v)
+    assert_allclose(hidden, 0, atol=1e-10)
