@@ -11,24 +11,30 @@ Array = NDArray[np.float64]
 
 
 def residuals(motion: Motion, reference: Reference) -> Array:
-    """Residual of every equation at every sample, relative to the sum of its terms' sizes.
+    """Residual of every equation at every sample, relative to the size of its terms.
 
+    That size is the largest sum of the terms' magnitudes along the motion; an equation all of
+    whose terms vanish is measured by a millionth of the largest size among its kind.
     Equations of motion, constraints and servo constraints stand in the order of
     `analyse(rig).rows`.  Shape (N, equations).
     """
     values, seconds = _unknowns(motion)
     path = reference(motion.times)
-    columns = []
-    for row in analyse(motion.rig).rows:
+    rows = analyse(motion.rig).rows
+    wrong, sizes = [], []
+    for row in rows:
         terms = [np.full(len(path), row.constant)]
         terms += [a * values[j] for a, j in row.linear]
         terms += [a * seconds[j] for a, j in row.second]
         terms += [a * values[j] * values[k] for a, j, k in row.quadratic]
         if row.output is not None:
             terms.append(-path[:, row.output])
-        scale = np.sum(np.abs(terms), axis=0)
-        columns.append(np.abs(np.sum(terms, axis=0)) / np.where(scale > 0, scale, 1.0))
-    return np.array(columns).T
+        wrong.append(np.abs(np.sum(terms, axis=0)))
+        sizes.append(np.sum(np.abs(terms), axis=0).max())
+    kinds = np.array([row.name.split()[0] for row in rows])
+    floors = {kind: 1e-6 * np.max(sizes, where=kinds == kind, initial=0.0) for kind in kinds}
+    scales = [max(size, floors[kind]) for size, kind in zip(sizes, kinds, strict=True)]
+    return np.array(wrong).T / scales
 
 
 def _unknowns(motion: Motion) -> tuple[list[Array], list[Array]]:

@@ -18,8 +18,9 @@ from .assembly import equations_of
 from .equations import Equations, redundant
 from .motion import Motion, find_slack
 from .reference import Reference
+from .steps import Step, plan
 from .structure import Analysis, analyse
-from .taylor import Solution, Step, expand, plan
+from .taylor import Solution, expand
 
 Array = NDArray[np.float64]
 
@@ -56,11 +57,9 @@ def solve(rig: Rig, reference: Reference, times: ArrayLike) -> Motion:
     if instants.ndim != 1 or not np.isfinite(instants).all():
         raise PathError(f"times must be finite numbers of shape (N,), got shape {instants.shape}")
     branch = _branch(rig, reference)
-    at = np.clip(instants, 0.0, reference.duration)
-    guess = np.array([np.interp(at, branch.times, values) for values in branch.values])
-    solution = expand(
-        branch.steps, len(guess), _taylor(reference, instants, branch.order), guess, follow=False
-    )
+    taylor = _taylor(reference, instants, branch.order)
+    guess = branch.near(instants)
+    solution = expand(branch.steps, len(guess), taylor, guess, follow=False)
     _refuse(rig, reference, branch.analysis, solution, branch.signs, instants)
     motion = _motion(rig, equations_of(rig), solution, instants, branch)
     _stay_on_rails(rig, motion)
@@ -78,10 +77,26 @@ class _Branch:
     times: Array
     values: Array
     """Unknowns, shape (unknowns, samples)."""
+    rates: Array
+    """Their first derivatives; finite differences where the expansion has none."""
     signs: dict[int, float]
     """Sign of each block's determinant on this branch."""
     angles: dict[str, Array]
     """Continuous angles of the turning frames, shape (samples,)."""
+
+    def near(self, times: Array) -> Array:
+        """The unknowns between the grid's samples, shape (unknowns, N)."""
+        step = self.times[1]
+        place = np.clip(times / step, 0.0, len(self.times) - 1.0)
+        below = np.minimum(place.astype(int), len(self.times) - 2)
+        share = place - below
+        left, right = self.values[:, below], self.values[:, below + 1]
+        # Cubic Hermite interpolation, as the chord and what the end slopes add to it.
+        drop = left - right
+        bend = share * (1.0 - share)
+        start = step * self.rates[:, below] + drop
+        end = step * self.rates[:, below + 1] + drop
+        return left - share * drop + bend * ((1.0 - share) * start - share * end)
 
 
 @lru_cache(maxsize=512)
@@ -106,11 +121,15 @@ def _branch(rig: Rig, reference: Reference) -> _Branch:
     _refuse(rig, reference, analysis, solution, signs, times, HOME_SAMPLES)
     values = np.array([coefficients[0] for coefficients in solution.series])
     path = values[:, HOME_SAMPLES:]
+    rates = np.gradient(path, grid[1], axis=1)
+    for j, coefficients in enumerate(solution.series):
+        if len(coefficients) > 1:
+            rates[j] = coefficients[1][HOME_SAMPLES:]
     angles = {
         name: np.unwrap(np.arctan2(values[sin], values[cos]))[HOME_SAMPLES:]
         for name, cos, sin in equations.turning
     }
-    return _Branch(analysis, steps, order, grid, path, signs, angles)
+    return _Branch(analysis, steps, order, grid, path, rates, signs, angles)
 
 
 @lru_cache(maxsize=256)

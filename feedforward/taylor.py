@@ -13,61 +13,26 @@ sign picks the root, and a change of it marks a place that the rig cannot pass.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .linear import solve_many
-from .structure import Analysis, Row
+from .steps import Array, Series, Step
+from .structure import Row
 
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-Series = list[list[Array]]
-"""Per unknown its Taylor coefficients so far, each of shape (N,)."""
 
 NEWTON_ITERATIONS = 25
 NEWTON_TOLERANCE = 1e-13
 """Newton's method ends when a step is below this fraction of the unknowns' size."""
 SINGULAR = 1e-11
 """A determinant below this fraction of its largest possible value counts as zero."""
+SAME = 1e-6
+"""Solutions closer than this fraction of their size are the same one."""
 
-
-class Step(NamedTuple):
-    """What one block contributes to one stage."""
-
-    rows: tuple[tuple[Row, int], ...]
-    """Equations with the order of the coefficient that must vanish."""
-    columns: tuple[tuple[int, int], ...]
-    """Unknowns with the order of the coefficient to be found."""
-    nonlinear: bool
-    block: int
-
-
-def plan(analysis: Analysis) -> tuple[Step, ...]:
-    """The steps that determine every unknown of a flat system, in order."""
-    steps = []
-    for stage in range(-max(analysis.unknown_offsets), 1):
-        for number, (equations, unknowns) in enumerate(analysis.blocks):
-            rows = tuple(
-                (analysis.rows[i], stage + analysis.equation_offsets[i])
-                for i in equations
-                if stage + analysis.equation_offsets[i] >= 0
-            )
-            columns = tuple(
-                (j, stage + analysis.unknown_offsets[j])
-                for j in unknowns
-                if stage + analysis.unknown_offsets[j] >= 0
-            )
-            if rows:
-                fresh = {j for j, order in columns if order == 0}
-                nonlinear = any(
-                    order == 0 and j in fresh and k in fresh
-                    for row, order in rows
-                    for _, j, k in row.quadratic
-                )
-                steps.append(Step(rows, columns, nonlinear, number))
-    return tuple(steps)
+Solved = tuple[Array, Array | None, Flags]
+"""A step's determinants (N,), its matrices (k, k, N) unless scalar, and where it failed (N,)."""
 
 
 @dataclass
@@ -105,24 +70,26 @@ def expand(
     samples = reference.shape[1]
     series: Series = [[] for _ in range(unknowns)]
     solution = Solution(series, {}, np.zeros(samples, bool), {})
-    for step in steps:
-        for j, order in step.columns:
-            assert len(series[j]) == order
-            series[j].append(np.zeros(samples))
-        with np.errstate(all="ignore"):
-            if not step.nonlinear:
-                sign, bad = _linear(step, series, reference)
-            elif len(step.rows) == 1:
-                sign, bad = _quadratic(step, series, reference, guess)
+    with np.errstate(all="ignore"):  # what fails is found by its value
+        for step in steps:
+            for j, _ in step.columns:
+                series[j].append(np.zeros(samples))
+            scalar = len(step.rows) == 1
+            if scalar and not step.nonlinear:
+                determinant, matrix, bad = _scalar(step, series, reference)
+            elif not step.nonlinear:
+                determinant, matrix, bad = _linear(step, series, reference)
+            elif scalar:
+                determinant, matrix, bad = _quadratic(step, series, reference, guess)
             elif follow:
-                sign, bad = _continuation(step, series, reference, guess)
+                determinant, matrix, bad = _continuation(step, series, reference, guess)
             else:
-                sign, bad = _newton(step, series, reference, guess, slice(None))
-        if step.block not in solution.signs:
-            solution.signs[step.block] = sign
-        if bad.any():
-            solution.culprit.setdefault(step.block, bad & ~solution.failed)
-            solution.failed |= bad
+                determinant, matrix, bad = _newton(step, series, reference, guess)
+            if step.block not in solution.signs:
+                solution.signs[step.block] = _sign(determinant, matrix)
+            if bad.any():
+                solution.culprit.setdefault(step.block, bad & ~solution.failed)
+                solution.failed |= bad
     return solution
 
 
@@ -144,54 +111,52 @@ def residual(row: Row, order: int, series: Series, reference: Array) -> Array:
     return total
 
 
-def _slopes(row: Row, order: int, series: Series, columns: tuple[tuple[int, int], ...]) -> Array:
-    """Derivatives of that coefficient by the sought ones, shape (columns, N)."""
-    place = {j: i for i, (j, _) in enumerate(columns)}
-    highest = dict(columns)
-    slopes = np.zeros((len(columns), len(series[columns[0][0]][0])))
-    for a, j in row.linear:
-        if highest.get(j) == order:
-            slopes[place[j]] += a
-    for a, j in row.second:
-        if highest.get(j) == order + 2:
-            slopes[place[j]] += a * (order + 1) * (order + 2)
-    for a, j, k in row.quadratic:
-        for one, other in ((j, k), (k, j)):
-            if highest.get(one) == order:
-                slopes[place[one]] += a * series[other][0]
-    return slopes
-
-
 def _jacobian(step: Step, series: Series) -> Array:
-    return np.array([_slopes(row, order, series, step.columns) for row, order in step.rows])
+    """Shape (equations, unknowns, N)."""
+    size, samples = len(step.rows), len(series[step.columns[0][0]][0])
+    matrix = np.empty((size, size, samples))
+    for i, slopes in enumerate(step.slopes):
+        for j, slope in enumerate(slopes):
+            matrix[i, j] = slope.at(series)
+    return matrix
 
 
 def _residuals(step: Step, series: Series, reference: Array) -> Array:
     return np.array([residual(row, order, series, reference) for row, order in step.rows])
 
 
-def _sign(determinant: Array, matrix: Array) -> Array:
-    """Sign of the determinants, 0 where a matrix (k, k, N) is singular to rounding."""
-    bound = np.prod(np.abs(matrix).max(axis=1), axis=0)
-    if len(matrix) == 1:  # a scalar has no scale of its own: its largest value along the path
-        bound = np.full_like(bound, bound[np.isfinite(bound)].max(initial=0.0))
+def _sign(determinant: Array, matrix: Array | None) -> Array:
+    """Sign of the determinants (N,) of a block, 0 where it is singular to rounding.
+
+    A matrix (k, k, N) is measured by the product of its rows' sizes; a scalar, which has no
+    size of its own, by its largest value along the path.
+    """
+    if matrix is None:
+        finite = np.abs(determinant[np.isfinite(determinant)])
+        bound = finite.max(initial=0.0)
+    else:
+        bound = np.prod(np.abs(matrix).max(axis=1), axis=0)
     regular = np.isfinite(determinant) & (np.abs(determinant) > SINGULAR * bound)
     return np.where(regular, np.sign(determinant), 0.0)
 
 
-def _linear(step: Step, series: Series, reference: Array) -> tuple[Array, Flags]:
+def _linear(step: Step, series: Series, reference: Array) -> Solved:
     matrix = _jacobian(step, series)
-    right = -_residuals(step, series, reference)
-    if len(matrix) == 1:
-        values, determinant = right / matrix[0], matrix[0, 0]
-    else:
-        values, determinant = solve_many(matrix.copy(), right)
+    values, determinant = solve_many(matrix.copy(), -_residuals(step, series, reference))
     for (j, order), value in zip(step.columns, values, strict=True):
         series[j][order] = value
-    return _sign(determinant, matrix), ~np.isfinite(values).all(axis=0)
+    return determinant, matrix, ~np.isfinite(values).all(axis=0)
 
 
-def _quadratic(step: Step, series: Series, reference: Array, guess: Array) -> tuple[Array, Flags]:
+def _scalar(step: Step, series: Series, reference: Array) -> Solved:
+    ((row, order),), ((j, highest),) = step.rows, step.columns
+    slope = np.asarray(step.slopes[0][0].at(series))
+    value = residual(row, order, series, reference) / -slope
+    series[j][highest] = value
+    return slope + np.zeros_like(value), None, ~np.isfinite(value)
+
+
+def _quadratic(step: Step, series: Series, reference: Array, guess: Array) -> Solved:
     """Solve a w^2 + b w + c = 0 for the root on the guess's side of the vertex."""
     ((row, order),), ((j, _),) = step.rows, step.columns
     c = residual(row, order, series, reference)
@@ -213,12 +178,12 @@ def _quadratic(step: Step, series: Series, reference: Array, guess: Array) -> tu
     if linear.any():
         value = np.where(linear, -c / b, value)
     series[j][order] = value
-    return _sign(determinant, determinant[None, None]), ~np.isfinite(value)
+    return determinant, None, ~np.isfinite(value)
 
 
 def _newton(
-    step: Step, series: Series, reference: Array, guess: Array, window: slice
-) -> tuple[Array, Flags]:
+    step: Step, series: Series, reference: Array, guess: Array, window: slice = slice(None)
+) -> Solved:
     """Newton's method from a guess, at the samples of a window."""
     local = [[values[window] for values in known] for known in series]
     part = reference[:, window]
@@ -227,11 +192,9 @@ def _newton(
     for j, order in step.columns:
         if order == 0:
             local[j][0] = start[j].copy()
-    sign, done = np.zeros(samples), np.zeros(samples, bool)
     for _ in range(NEWTON_ITERATIONS):
         matrix = _jacobian(step, local)
         change, determinant = solve_many(matrix.copy(), -_residuals(step, local, part))
-        sign = _sign(determinant, matrix)
         size = np.zeros(samples)
         for (j, order), delta in zip(step.columns, change, strict=True):
             local[j][order] = local[j][order] + delta
@@ -241,40 +204,38 @@ def _newton(
             break
     for j, order in step.columns:
         series[j][order][window] = local[j][order]
-    finite = np.isfinite(sum(local[j][order] for j, order in step.columns))
-    return sign, ~(done & finite)
+    return determinant, matrix, ~done
 
 
-def _continuation(
-    step: Step, series: Series, reference: Array, guess: Array
-) -> tuple[Array, Flags]:
+def _continuation(step: Step, series: Series, reference: Array, guess: Array) -> Solved:
     """Newton's method along the samples, each solution continuing the one before it.
 
     A first try starts every sample from the first one's solution.  A sample continues its
     predecessor if Newton's method started there ends at the same solution; from the first
     that does not, the rest is solved anew.
     """
-    samples = reference.shape[1]
-    sign, bad = np.zeros(samples), np.ones(samples, bool)
-    front = 0
-    start = guess
+    samples, size = reference.shape[1], len(step.rows)
+    determinant, matrix = np.zeros(samples), np.zeros((size, size, samples))
+    bad = np.ones(samples, bool)
+    front, start = 0, guess
     while front < samples:
         window = slice(front, samples)
-        sign[window], bad[window] = _newton(step, series, reference, start, window)
+        determinant[window], matrix[..., window], bad[window] = _newton(
+            step, series, reference, start, window
+        )
         if bad[front]:
             break
         found = np.array([series[j][order] for j, order in step.columns])
-        shifted = np.zeros((len(guess), samples - front))
+        before = np.zeros((len(guess), samples - front))
         for (j, _), values in zip(step.columns, found, strict=True):
-            shifted[j, 1:] = values[front:-1]
-            shifted[j, 0] = values[front]
-        _, lost = _newton(step, series, reference, shifted, window)
+            before[j] = values[[front, *range(front, samples - 1)]]
+        _, _, lost = _newton(step, series, reference, before, window)
         again = np.array([series[j][order] for j, order in step.columns])
         for (j, order), values in zip(step.columns, found, strict=True):
             series[j][order] = values
         distance = np.abs(again - found)[:, window].max(axis=0)
-        size = np.abs(found[:, window]).max(axis=0)
-        apart = bad[window] | lost | ~(distance <= 1e-6 * size)
+        extent = np.abs(found[:, window]).max(axis=0)
+        apart = bad[window] | lost | ~(distance <= SAME * extent)
         if not apart.any():
             break
         if apart[0]:
@@ -284,4 +245,4 @@ def _continuation(
         start = np.zeros((len(guess), 1))
         for j, order in step.columns:
             start[j] = series[j][order][front - 1]
-    return sign, bad
+    return determinant, matrix, bad

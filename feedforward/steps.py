@@ -1,0 +1,81 @@
+"""The order of work of a Taylor expansion: which block is solved at which stage."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .structure import Analysis, Row
+
+Array = NDArray[np.float64]
+Series = list[list[Array]]
+"""Per unknown its Taylor coefficients so far, each of shape (N,)."""
+
+
+class Slope(NamedTuple):
+    """A derivative, constant + sum of a w_j over the terms (a, j)."""
+
+    constant: float
+    terms: tuple[tuple[float, int], ...]
+
+    def at(self, series: Series) -> Array | float:
+        """Its value at each sample."""
+        total: Array | float = self.constant
+        for a, j in self.terms:
+            total = total + a * series[j][0]
+        return total
+
+
+class Step(NamedTuple):
+    """What one block contributes to one stage."""
+
+    rows: tuple[tuple[Row, int], ...]
+    """Equations with the order of the coefficient that must vanish."""
+    columns: tuple[tuple[int, int], ...]
+    """Unknowns with the order of the coefficient to be found."""
+    slopes: tuple[tuple[Slope, ...], ...]
+    """How the coefficient of each equation depends on that of each unknown."""
+    nonlinear: bool
+    block: int
+
+
+def plan(analysis: Analysis) -> tuple[Step, ...]:
+    """The steps that determine every unknown of a flat system, in order."""
+    steps = []
+    for stage in range(-max(analysis.unknown_offsets), 1):
+        for number, (equations, unknowns) in enumerate(analysis.blocks):
+            rows = tuple(
+                (analysis.rows[i], stage + analysis.equation_offsets[i])
+                for i in equations
+                if stage + analysis.equation_offsets[i] >= 0
+            )
+            columns = tuple(
+                (j, stage + analysis.unknown_offsets[j])
+                for j in unknowns
+                if stage + analysis.unknown_offsets[j] >= 0
+            )
+            if rows:
+                fresh = {j for j, order in columns if order == 0}
+                nonlinear = any(
+                    order == 0 and j in fresh and k in fresh
+                    for row, order in rows
+                    for _, j, k in row.quadratic
+                )
+                slopes = tuple(
+                    tuple(_slope(row, order, *column) for column in columns) for row, order in rows
+                )
+                steps.append(Step(rows, columns, slopes, nonlinear, number))
+    return tuple(steps)
+
+
+def _slope(row: Row, order: int, unknown: int, highest: int) -> Slope:
+    """Derivative of an equation's coefficient by an unknown's coefficient of order `highest`."""
+    constant = 0.0
+    terms: list[tuple[float, int]] = []
+    if highest == order:
+        constant += sum(a for a, j in row.linear if j == unknown)
+        for a, j, k in row.quadratic:
+            terms += [(a, other) for one, other in ((j, k), (k, j)) if one == unknown]
+    if highest == order + 2:
+        constant += sum(a * (order + 1) * highest for a, j in row.second if j == unknown)
+    return Slope(constant, tuple(terms))
