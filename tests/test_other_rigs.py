@@ -75,7 +75,8 @@ def navy_crane():
         name="navy_crane",
         frames=(Frame("boom", "turning", 6.4 * 75.0),),
         anchors=tuple(
-            Anchor(name, tuple(share * tip), "boom") for name, share in zip("APS", (0.5, 1, 1.5))
+            Anchor(name, tuple(share * tip), "boom")
+            for name, share in zip("APS", (0.5, 1, 1.5), strict=True)
         ),
         masses=(Load("pulley", 5.0), Load("load", 100.0)),
         ropes=(
