@@ -1,0 +1,273 @@
+"""Between a rig's coordinates and its MuJoCo model's joints, for any number of samples at once.
+
+The model's joints count from the body above on the chain, in the turning axes of the frame below
+which it hangs (see `flatrig.models.chain`); a rig's coordinates count from the world.
+
+Arrays may have any leading shape, written N below; columns are joints, drives or ropes.  Inside,
+a motion is one array whose first axis is the order of the derivative: position, velocity and,
+where needed, acceleration.  NumPy only.
+"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .chain import Link, joint_names, links
+from .errors import ModelError, did_you_mean
+from .rig import Frame, Rig, Trolley, Vector
+
+Array = NDArray[np.float64]
+
+
+class HasState(Protocol):
+    """Whatever has `qpos` and `qvel`: a `State`, mujoco.MjData, mujoco.batch.Batch."""
+
+    @property
+    def qpos(self) -> Any:
+        """Joint positions, shape (N, nq)."""
+
+    @property
+    def qvel(self) -> Any:
+        """Joint velocities, shape (N, nv)."""
+
+
+class State(NamedTuple):
+    """Joint positions (N, nq) and velocities (N, nv) of a model [m, rad, m/s, rad/s]."""
+
+    qpos: Array
+    qvel: Array
+
+
+def joint_state(
+    rig: Rig,
+    model: Any,
+    coordinates: Mapping[str, ArrayLike],
+    rates: Mapping[str, ArrayLike] | None = None,
+) -> State:
+    """Joint positions and velocities of the model where the rig's coordinates have these values.
+
+    Parameters:
+        rig: the description.
+        model: its MuJoCo model.
+        coordinates: positions [m, rad] of all frames, trolleys and loads by coordinate name
+            ("bridge.angle", "trolley.position", "load.x"), each of shape (N,) or a number;
+            others (ropes, internal ones) are left aside.
+        rates: their rates; what is left out is at rest.
+
+    Raises:
+        ModelError: a coordinate is missing, or the model is of another rig.
+    """
+    _same(rig, model)
+    motion = _gather(rig, coordinates, rates or {})
+    columns: dict[str, Array] = {}
+    place: dict[str, Array] = {}
+    for link in links(rig):
+        part = link.part
+        if isinstance(part, Frame):
+            columns[part.coordinate] = motion[part.coordinate]
+        elif isinstance(part, Trolley):
+            upper = sum(factor * columns[name] for name, factor in link.sums[:-1])
+            columns[part.coordinate] = motion[part.coordinate] - upper
+            place[part.name] = _on_rail(rig, part, motion)
+        else:
+            world = np.zeros((*motion[f"{part.name}.x"].shape, 3))
+            for axis in rig.axes:
+                world[..., "xyz".index(axis)] = motion[f"{part.name}.{axis}"]
+            place[part.name] = _turn(world, -_angle(link.frame, motion, world))
+            relative = place[part.name] - _base(link, motion, place)
+            for name in link.joints:
+                columns[name] = relative[..., "xyz".index(name[-1])]
+    qpos, qvel = np.stack([columns[name] for name in joint_names(rig)], axis=-1)
+    return State(qpos, qvel)
+
+
+def points(
+    rig: Rig, qpos: ArrayLike, qvel: ArrayLike, qacc: ArrayLike | None = None
+) -> dict[str, Array]:
+    """Motion of every anchor, trolley and load in the world, each (orders, N, 3).
+
+    Orders are position [m], velocity [m/s] and, if `qacc` is given, acceleration [m/s2].
+    `qpos`, `qvel`, `qacc` have the shape (N, nq).
+    """
+    given = [qpos, qvel] if qacc is None else [qpos, qvel, qacc]
+    joints = np.stack([np.asarray(value, dtype=float) for value in given])
+    motion = {name: joints[..., column] for column, name in enumerate(joint_names(rig))}
+    place: dict[str, Array] = {}
+    world: dict[str, Array] = {}
+    for anchor in rig.anchors:
+        frame = rig.frame(anchor.frame)
+        own = _shift(frame, motion, joints) + _fixed(anchor.position, joints)
+        world[anchor.name] = _turn(own, _angle(frame, motion, own))
+    for link in links(rig):
+        part = link.part
+        if isinstance(part, Frame):
+            continue
+        if isinstance(part, Trolley):
+            terms = link.sums or ((part.coordinate, 1.0),)
+            total = sum(factor * motion[name] for name, factor in terms)
+            own = _on_rail(rig, part, {**motion, part.coordinate: np.asarray(total)})
+        else:
+            own = np.array(np.broadcast_to(_base(link, motion, place), (*joints.shape[:-1], 3)))
+            for name in link.joints:
+                own[..., "xyz".index(name[-1])] += motion[name]
+        place[part.name] = own
+        world[part.name] = _turn(own, _angle(link.frame, motion, own))
+    return world
+
+
+def spans(rig: Rig, motion: Mapping[str, Array]) -> dict[str, Array]:
+    """Lengths of the spans of each rope and their derivatives, each (orders, N, spans) [m].
+
+    `motion` is what `points` returns.  A span without length has no direction: its derivatives
+    are given as zero.
+    """
+    found = {}
+    for rope in rig.ropes:
+        path = np.stack([motion[name] for name in rope.path])
+        step = np.moveaxis(path[1:] - path[:-1], 0, -2)  # (orders, N, spans, 3)
+        length = np.linalg.norm(step[0], axis=-1)
+        inverse = np.divide(1.0, length, out=np.zeros_like(length), where=length > 0)
+        unit = step[0] * inverse[..., None]
+        lengths = [length, (unit * step[1]).sum(-1)]
+        if len(step) > 2:
+            across = (step[1] ** 2).sum(-1) - lengths[1] ** 2
+            lengths.append((unit * step[2]).sum(-1) + across * inverse)
+        found[rope.name] = np.stack(lengths)
+    return found
+
+
+def coordinates(rig: Rig, model: Any, state: HasState) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Values and rates of all the rig's coordinates, each (N,), by `rig.coordinate_names`.
+
+    Parameters:
+        rig: the description.
+        model: its MuJoCo model.
+        state: anything with `qpos` (N, nq) and `qvel` (N, nv): a `State`, mujoco.MjData,
+            mujoco.batch.Batch.
+
+    Raises:
+        ModelError: the model is of another rig.
+    """
+    _same(rig, model)
+    motion = points(rig, state.qpos, state.qvel)
+    joints = np.stack([np.asarray(state.qpos), np.asarray(state.qvel)])
+    column = {name: joints[..., index] for index, name in enumerate(joint_names(rig))}
+    found: dict[str, Array] = {frame.coordinate: column[frame.coordinate] for frame in rig.frames}
+    for link in links(rig):
+        if isinstance(link.part, Trolley):
+            terms = link.sums or ((link.part.coordinate, 1.0),)
+            found[link.part.coordinate] = np.asarray(sum(f * column[name] for name, f in terms))
+    for rope, lengths in spans(rig, motion).items():
+        found[f"{rope}.length"] = lengths.sum(-1)
+    for load in rig.loads:
+        for axis in rig.axes:
+            found[f"{load.name}.{axis}"] = motion[load.name][..., "xyz".index(axis)]
+    values = {name: found[name][0].copy() for name in rig.coordinate_names}
+    return values, {name: found[name][1].copy() for name in rig.coordinate_names}
+
+
+def tensions(
+    rig: Rig,
+    qpos: ArrayLike,
+    qvel: ArrayLike,
+    qacc: ArrayLike,
+    ctrl: ArrayLike,
+    friction: ArrayLike = 0.0,
+) -> Array:
+    """Tension of each rope where it leaves its winch, (N, ropes) [N]; a rope cannot push.
+
+    T = (J/r^2) d2L/dt2 - u/r - F with the winch's torque u and the force F of friction along the
+    rope's length (as MuJoCo has it: negative while the winch pays out).
+
+    Parameters:
+        rig: the description.
+        qpos, qvel, qacc: joint positions, velocities and accelerations, (N, nv).
+        ctrl: inputs, (N, drives), in the order of `rig.drives`.
+        friction: forces of friction, (N, ropes) or a number [N].
+    """
+    lengths = spans(rig, points(rig, qpos, qvel, qacc))
+    inputs = np.asarray(ctrl, dtype=float)
+    columns = {drive.on: index for index, drive in enumerate(rig.drives)}
+    found = []
+    for rope in rig.ropes:
+        pull = rope.inertia_along * lengths[rope.name][2].sum(-1)
+        if rope.name in columns:
+            pull = pull - inputs[..., columns[rope.name]] / rope.drum_radius
+        found.append(pull)
+    along: Array = np.stack(found, axis=-1) - np.asarray(friction, dtype=float)
+    return along
+
+
+def _same(rig: Rig, model: Any) -> None:
+    if model.nq != len(joint_names(rig)):
+        raise ModelError(
+            f"the model has {model.nq} joints, rig {rig.name} has {len(joint_names(rig))}; "
+            "use the model compiled from this rig"
+        )
+
+
+def _gather(
+    rig: Rig, coordinates: Mapping[str, ArrayLike], rates: Mapping[str, ArrayLike]
+) -> dict[str, Array]:
+    """Positions and velocities of frames, trolleys and loads, each (2, N)."""
+    needed = [frame.coordinate for frame in rig.frames]
+    needed += [trolley.coordinate for trolley in rig.trolleys]
+    needed += [f"{load.name}.{axis}" for load in rig.loads for axis in rig.axes]
+    for name in needed:
+        if name not in coordinates:
+            known = [name for name in coordinates if name not in needed]
+            raise ModelError(f"coordinate {name} is missing{did_you_mean(name, known)}")
+    pairs = [(coordinates[name], rates.get(name, 0.0)) for name in needed]
+    full = np.broadcast_arrays(*(np.asarray(value, float) for pair in pairs for value in pair))
+    return {name: np.stack(full[2 * k : 2 * k + 2]) for k, name in enumerate(needed)}
+
+
+def _on_rail(rig: Rig, trolley: Trolley, motion: Mapping[str, Array]) -> Array:
+    """Motion of a trolley in its frame's axes, (orders, N, 3)."""
+    rail = rig.rail(trolley.rail)
+    along = np.multiply.outer(motion[trolley.coordinate], np.asarray(rail.direction))
+    shift = _shift(rig.frame(rail.frame), motion, along)
+    return np.asarray(along + shift + _fixed(rail.origin, along))
+
+
+def _base(link: Link, motion: Mapping[str, Array], place: Mapping[str, Array]) -> Array:
+    """Motion of what a load counts from, in its frame's axes, (orders, N, 3)."""
+    above = link.parent
+    if above is not None and not isinstance(above.part, Frame):
+        return place[above.name]
+    return _shift(link.frame, motion, next(iter(motion.values()))[..., None])
+
+
+def _shift(frame: Frame | None, motion: Mapping[str, Array], like: Array) -> Array:
+    """Motion of a sliding frame's origin; zero for others.  (orders, N, 3)"""
+    if frame is None or frame.kind != "sliding":
+        return np.zeros((*like.shape[:-1], 3))
+    return np.asarray(np.multiply.outer(motion[frame.coordinate], np.asarray(frame.axis)))
+
+
+def _fixed(vector: Vector, like: Array) -> Array:
+    """A vector that does not move, (orders, N, 3)."""
+    constant = np.zeros((*like.shape[:-1], 3))
+    constant[0] = vector
+    return constant
+
+
+def _angle(frame: Frame | None, motion: Mapping[str, Array], like: Array) -> Array:
+    """Motion of a turning frame's angle; zero for others.  (orders, N)"""
+    if frame is None or frame.kind != "turning":
+        return np.zeros(like.shape[:-1])
+    return motion[frame.coordinate]
+
+
+def _turn(motion: Array, angle: Array) -> Array:
+    """A motion (orders, N, 3) seen from axes against which its own turn about z by `angle`."""
+    turned = motion.copy()
+    flat = motion[..., 0] + 1j * motion[..., 1]
+    terms = [flat[0], flat[1] + 1j * angle[1] * flat[0]]
+    if len(motion) > 2:
+        terms.append(flat[2] + 2j * angle[1] * flat[1] + (1j * angle[2] - angle[1] ** 2) * flat[0])
+    plane = np.exp(1j * angle[0]) * np.stack(terms)
+    turned[..., 0], turned[..., 1] = plane.real, plane.imag
+    return turned

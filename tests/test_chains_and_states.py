@@ -1,0 +1,209 @@
+"""Rigs and their models' joints: what hangs from what, and the mapping there and back."""
+
+import dataclasses
+
+import mujoco
+import numpy as np
+import pytest
+
+from flatrig import models
+from flatrig.models import ModelError, mjcf, run, state
+from flatrig.models.chain import links
+from flatrig.models.rig import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Sheave, Trolley
+
+X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+
+
+GANTRY = Rig(
+    name="gantry",
+    frames=(Frame("bridge", "sliding", 50.0, axis=Y),),
+    anchors=(Anchor("winch", (-1.0, 0.0, 0.0), frame="bridge"),),
+    rails=(Rail("beam", X, frame="bridge", start=0.0, end=6.0),),
+    masses=(Trolley("trolley", 7.0, "beam"), Load("load", 40.0)),
+    ropes=(Rope("hoist", ("winch", "trolley", "load"), 0.2, 0.3, (Sheave("trolley", 0.05, 0.1),)),),
+    drives=(
+        Drive("bridge", "bridge", 1e3),
+        Drive("trolley", "trolley", 1e3),
+        Drive("w", "hoist", 9),
+    ),
+    outputs=("load.x", "load.y", "load.z"),
+    home={"bridge": 1.0, "trolley": 2.0, "load": (2.0, 1.0, -3.0)},
+)
+
+
+NAVY = Rig(
+    name="navy",
+    frames=(Frame("boom", "turning", 480.0),),
+    anchors=(
+        Anchor("A", (4.0, 0.0, 3.0), frame="boom"),
+        Anchor("P", (8.0, 0.0, 6.0), frame="boom"),
+        Anchor("ashore", (0.0, -9.0, 2.0)),
+    ),
+    masses=(Load("load", 100.0), Load("pulley", 5.0)),
+    ropes=(
+        Rope("stay", ("A", "pulley"), 0.1, 0.1),
+        Rope("hoist", ("P", "pulley", "load"), 0.1, 0.1),
+        Rope("tag", ("ashore", "load"), 0.1, 0.1),
+    ),
+    drives=(
+        Drive("boom", "boom", 1e3),
+        Drive("stay", "stay", 50.0),
+        Drive("hoist", "hoist", 200.0),
+        Drive("tag", "tag", 50.0),
+    ),
+    outputs=("load.x", "load.y", "load.z", "pulley.z"),
+    home={"boom": 0.4, "pulley": (7.0, 3.0, 1.0), "load": (7.0, 3.0, -6.0)},
+)
+
+
+TANDEM = Rig(
+    name="tandem",
+    dimensions=2,
+    rails=(Rail("upper", X), Rail("lower", (-1.0, 0.0, 0.0), origin=(3.0, 0.0, -1.0))),
+    masses=(Trolley("first", 10.0, "upper"), Trolley("second", 20.0, "lower"), Load("load", 50.0)),
+    ropes=(Rope("one", ("first", "load"), 0.1, 0.1), Rope("two", ("second", "load"), 0.1, 0.2)),
+    drives=(Drive("first", "first", 1e3), Drive("second", "second", 1e3)),
+    outputs=("load.x", "load.z"),
+    home={"first": -1.0, "second": 0.5, "load": (1.0, 0.0, -4.0)},
+)
+
+
+RIGS = {name: build() for name, build in models.CATALOGUE.items()} | {
+    rig.name: rig for rig in (GANTRY, NAVY, TANDEM)
+}
+
+
+@pytest.fixture(params=RIGS)
+def rig(request):
+    return RIGS[request.param]
+
+
+def random_states(rig, count=20):
+    """Joint positions about home, velocities, and inputs within the drives' limits."""
+    generator = np.random.default_rng(7)
+    home = np.array([value for link in links(rig) for value in link.home])
+    limits = np.array([drive.limit for drive in rig.drives])
+    return (
+        home + generator.uniform(-0.8, 0.8, (count, len(home))),
+        generator.uniform(-1, 1, (count, len(home))),
+        limits * generator.uniform(-1, 1, (count, len(limits))),
+    )
+
+
+def test_kinetic_energy_is_that_of_masses_winches_and_sheaves(rig):
+    """With the potential, which is plain, this fixes the whole left side of the equations."""
+    model = mjcf.compile(rig, visuals=False)
+    qpos, qvel, _ = random_states(rig)
+    motion, data = state.points(rig, qpos, qvel), mujoco.MjData(model)
+    spans = state.spans(rig, motion)
+    _, rates = state.coordinates(rig, model, state.State(qpos, qvel))
+    expected = sum(frame.inertia * rates[frame.coordinate] ** 2 for frame in rig.frames)
+    expected = expected + sum(m.mass * (motion[m.name][1] ** 2).sum(-1) for m in rig.masses)
+    for rope in rig.ropes:
+        expected = expected + rope.inertia_along * spans[rope.name][1].sum(-1) ** 2
+        for sheave in rope.sheaves:
+            after = spans[rope.name][1][:, rope.path.index(sheave.at) :].sum(-1)
+            expected = expected + sheave.inertia / sheave.radius**2 * after**2
+    for k in range(len(qpos)):
+        data.qpos[:], data.qvel[:] = qpos[k], qvel[k]
+        mujoco.mj_forward(model, data)
+        mujoco.mj_energyVel(model, data)
+        assert data.energy[1] == pytest.approx(0.5 * expected[k], rel=1e-12)
+
+
+def test_power_of_inputs_and_gravity(rig):
+    """d/dt of the kinetic energy is what the inputs and gravity put in (work of the inputs)."""
+    model = mjcf.compile(rig, visuals=False)
+    qpos, qvel, ctrl = random_states(rig)
+    qacc = run.accelerations(model, qpos, qvel, ctrl)
+    _, rates = state.coordinates(rig, model, state.State(qpos, qvel))
+    power = np.zeros(len(qpos))
+    for column, drive in enumerate(rig.drives):
+        part = rig.driven(drive)
+        scale = 1 / part.drum_radius if isinstance(part, Rope) else 1.0
+        power += ctrl[:, column] * scale * rates[part.coordinate]
+    motion = state.points(rig, qpos, qvel, qacc)
+    power -= sum(rig.gravity * mass.mass * motion[mass.name][1, :, 2] for mass in rig.masses)
+    data = mujoco.MjData(model)
+
+    def kinetic(k, step):
+        data.qpos[:] = qpos[k] + step * qvel[k] + 0.5 * step**2 * qacc[k]
+        data.qvel[:] = qvel[k] + step * qacc[k]
+        mujoco.mj_forward(model, data)
+        mujoco.mj_energyVel(model, data)
+        return data.energy[1]
+
+    for k in range(len(qpos)):
+        change = (kinetic(k, 1e-4) - kinetic(k, -1e-4)) / 2e-4
+        assert change == pytest.approx(power[k], rel=1e-5, abs=1e-4 * abs(power).max())
+
+
+def test_points_and_sensors_agree_with_mujoco(rig):
+    model = mjcf.compile(rig)
+    qpos, qvel, _ = random_states(rig)
+    values, rates = state.coordinates(rig, model, state.State(qpos, qvel))
+    motion, data = state.points(rig, qpos, qvel), mujoco.MjData(model)
+    for k in range(len(qpos)):
+        data.qpos[:], data.qvel[:] = qpos[k], qvel[k]
+        mujoco.mj_forward(model, data)
+        for name, point in motion.items():
+            np.testing.assert_allclose(data.site(name).xpos, point[0, k], atol=1e-12)
+        for part in (*rig.frames, *rig.trolleys, *rig.ropes):
+            name = part.coordinate
+            assert data.sensor(name).data[0] == pytest.approx(values[name][k], abs=1e-12)
+            assert data.sensor(f"{name}.rate").data[0] == pytest.approx(rates[name][k], abs=1e-12)
+    moved = state.points(rig, qpos + 1e-5 * qvel, qvel), state.points(rig, qpos - 1e-5 * qvel, qvel)
+    still = state.points(rig, qpos, qvel, np.zeros_like(qvel))
+    for name in motion:
+        for order in (0, 1):
+            slope = (moved[0][name][order] - moved[1][name][order]) / 2e-5
+            np.testing.assert_allclose(slope, still[name][order + 1], atol=1e-7)
+
+
+def test_joint_state_and_back(rig):
+    model = mjcf.compile(rig, visuals=False)
+    qpos, qvel, _ = random_states(rig)
+    values, rates = state.coordinates(rig, model, state.State(qpos, qvel))
+    assert tuple(values) == tuple(rates) == rig.coordinate_names
+    back = state.joint_state(rig, model, values, rates)
+    np.testing.assert_allclose(back.qpos, qpos, atol=1e-12)
+    np.testing.assert_allclose(back.qvel, qvel, atol=1e-12)
+    single = state.joint_state(rig, model, {name: value[3] for name, value in values.items()})
+    np.testing.assert_allclose(single.qpos, qpos[3], atol=1e-12)
+    assert not single.qvel.any()
+
+
+def test_coordinates_are_copies():
+    rig = models.overhead_crane()
+    model = mjcf.compile(rig)
+    qpos = np.zeros((2, model.nq))  # a rope without length, too
+    values, _ = state.coordinates(rig, model, state.State(qpos, qpos))
+    values["trolley.position"][:] = 5.0
+    assert not qpos.any()
+    assert not values["hoist.length"].any()
+    values, _ = state.coordinates(rig, model, mujoco.MjData(model))
+    assert values["load.z"] == -4.0
+
+
+def test_rigs_that_cannot_be_one_chain():
+    light = dataclasses.replace(NAVY, masses=(Load("load", 100.0), Load("pulley", 0.0)))
+    with pytest.raises(ModelError, match=r"load pulley: mass is 0 kg, .* small one"):
+        mjcf.compile(light)
+    skew = dataclasses.replace(TANDEM, rails=(Rail("upper", X), Rail("lower", (0.6, 0.0, 0.8))))
+    with pytest.raises(ModelError, match="rail upper is not parallel to rail lower"):
+        mjcf.compile(skew)
+    two = dataclasses.replace(
+        NAVY,
+        frames=(*NAVY.frames, Frame("quay", "sliding", 9.0, axis=X)),
+        anchors=(*NAVY.anchors[:2], dataclasses.replace(NAVY.anchors[2], frame="quay")),
+    )
+    with pytest.raises(ModelError, match="tie frames boom and quay together"):
+        mjcf.compile(two)
+    fixed = dataclasses.replace(
+        NAVY,
+        rails=(Rail("quay", X),),
+        masses=(*NAVY.masses, Trolley("cart", 5.0, "quay")),
+        ropes=(*NAVY.ropes[:2], Rope("tag", ("cart", "load"), 0.1, 0.1)),
+    )
+    with pytest.raises(ModelError, match="tie trolley cart, whose rail is fixed, to frame boom"):
+        mjcf.compile(fixed)

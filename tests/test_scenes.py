@@ -1,0 +1,186 @@
+"""Scenes for people and for plain MuJoCo: stored XML, open-loop runs, cameras, pictures."""
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+
+from flatrig import models
+from flatrig.models import ModelError, OptionError, export, mjcf, render, run, state
+from flatrig.models.chain import links
+
+CATALOGUE = tuple(models.CATALOGUE)
+
+
+RIGS = [*models.CATALOGUE, "cantilever", "gantry", "planar navy", "navy"]
+
+
+@pytest.fixture(params=RIGS)
+def rig(request, other_rigs):
+    return other_rigs.get(request.param) or models.make(request.param)
+
+
+def random_states(rig, count=20):
+    """Joint positions about home, velocities, and inputs within the drives' limits."""
+    generator = np.random.default_rng(7)
+    home = np.array([value for link in links(rig) for value in link.home])
+    limits = np.array([drive.limit for drive in rig.drives])
+    return (
+        home + generator.uniform(-0.8, 0.8, (count, len(home))),
+        generator.uniform(-1, 1, (count, len(home))),
+        limits * generator.uniform(-1, 1, (count, len(limits))),
+    )
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_exported_scenes_are_current_and_stand_alone(name, tmp_path):
+    rig, stored = models.make(name), export.FOLDER / f"{name}.xml"
+    assert stored.read_text() == export.xml(rig), "run `python -m flatrig.models.export`"
+    (tmp_path / "alone.xml").write_text(stored.read_text())
+    alone = mujoco.MjModel.from_xml_path(str(tmp_path / "alone.xml"))
+    mjcf.check(alone)
+    model = mjcf.compile(rig)
+    state_of = random_states(rig)
+    expected, found = run.accelerations(model, *state_of), run.accelerations(alone, *state_of)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-15 * abs(expected).max())
+    sections = ["compiler", "option", "default", "asset", "worldbody", "tendon", "actuator"]
+    sections += ["sensor", "keyframe"]
+    places = [stored.read_text().index(f"\n  <{section}") for section in sections]
+    assert places == sorted(places)
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_noise_on_the_inputs_raises_no_warning(name):
+    model = mujoco.MjModel.from_xml_path(str(export.FOLDER / f"{name}.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    generator, home = np.random.default_rng(1), model.key("home").ctrl
+    spread = 0.1 * model.actuator_ctrlrange[:, 1]
+    for _ in range(1000):
+        data.ctrl[:] = home + spread * generator.normal(size=model.nu)
+        mujoco.mj_step(model, data)
+    assert not any(warning.number for warning in data.warning)
+    assert np.isfinite(data.qpos).all()
+
+
+def test_export_writes_to_a_folder(tmp_path):
+    written = export.export(tmp_path / "new")
+    assert [path.stem for path in written] == list(CATALOGUE)
+
+
+def test_run_returns_the_start_and_every_step():
+    rig = models.rotary_crane()
+    model = mjcf.compile(rig, visuals=False)
+    home, data = model.key("home"), mujoco.MjData(model)
+    controls = home.ctrl + np.random.default_rng(0).normal(size=(50, model.nu))
+    speed = np.linspace(-0.1, 0.1, model.nv)
+    found = run.run(model, home.qpos, speed, controls)
+    assert found.qpos.shape == (51, model.nq)
+    data.qpos[:], data.qvel[:] = home.qpos, speed
+    for k, row in enumerate(controls):
+        np.testing.assert_array_equal(found.qpos[k], data.qpos)
+        data.ctrl[:] = row
+        mujoco.mj_step(model, data)
+    np.testing.assert_array_equal(found.qvel[-1], data.qvel)
+
+
+def test_run_refuses_what_cannot_be():
+    model = mjcf.compile(models.overhead_crane(), visuals=False)
+    start = model.key("home").qpos, np.zeros(model.nv)
+    with pytest.raises(ModelError, match=r"shape \(3, 1\), it must be \(N, 2\)"):
+        run.run(model, *start, np.zeros((3, 1)))
+    with pytest.raises(ModelError, match="not finite at step 1"):
+        run.run(model, *start, np.array([[0, 0], [np.nan, 0]]))
+    with pytest.raises(ModelError, match="breaks down"):
+        run.run(model, *start, np.full((50, 2), 1e13))
+
+
+def corners_in_picture(model, camera, spots):
+    """Whether points lie inside a 4:3 picture of a camera."""
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    view = model.camera(camera).id
+    seen = (np.asarray(spots) - data.cam_xpos[view]) @ data.cam_xmat[view].reshape(3, 3)
+    slope = math.tan(math.radians(model.cam_fovy[view] / 2))
+    inside = (seen[:, 2] < 0) & (abs(seen[:, 1]) < -slope * seen[:, 2])
+    return inside & (abs(seen[:, 0]) < -slope * 4 / 3 * seen[:, 2])
+
+
+@pytest.mark.parametrize("camera", ["overview", "side"])
+def test_cameras_see_the_whole_workspace(rig, camera):
+    model = mjcf.compile(rig)
+    qpos = np.array([value for link in links(rig) for value in link.home])
+    spots = [point[0] for point in state.points(rig, qpos, np.zeros_like(qpos)).values()]
+    if rig.name in CATALOGUE:
+        move = models.default_move(rig.name)
+        for place in (move.start, move.goal):
+            spots.append(np.array([place[0], 0.0 if len(place) == 2 else place[1], place[-1]]))
+    for rail in rig.rails:
+        if math.isfinite(rail.start) and rig.frame(rail.frame) is None:
+            spots += [
+                np.add(rail.origin, np.multiply(end, rail.direction))
+                for end in (rail.start, rail.end)
+            ]
+    if rig.name == "rotary_crane":
+        circle = np.linspace(0, 2 * np.pi, 24)
+        spots += [np.array([8 * np.cos(a), 8 * np.sin(a), z]) for a in circle for z in (0, -5)]
+    assert corners_in_picture(model, camera, spots).all()
+
+
+@pytest.fixture
+def drawing():
+    try:
+        return render.backend()
+    except ModelError as error:
+        pytest.skip(str(error))
+
+
+def test_pictures(drawing, tmp_path):
+    rig = models.rotary_crane()
+    model = mjcf.compile(rig)
+    turned = state.joint_state(
+        rig,
+        model,
+        {
+            "bridge.angle": [0.0, 1.0],
+            "trolley.position": [5.0, 5.0],
+            "load.x": [5.0, 5 * math.cos(1)],
+            "load.y": [0.0, 5 * math.sin(1)],
+            "load.z": [-5.0, -3.0],
+        },
+    )
+    images = list(render.frames(model, turned.qpos, [0.0, 1.0], "side", 160, 120, fps=2.0))
+    assert [image.shape for image in images] == [(120, 160, 3)] * 3
+    assert all(image.dtype == np.uint8 and image.std() > 10 for image in images)
+    assert (images[0] != images[2]).any()
+    saved = render.save_animation(tmp_path / "crane.gif", images, fps=2.0)
+    from PIL import Image
+
+    with Image.open(saved) as animation:
+        assert animation.n_frames == 3
+        assert animation.info["duration"] == 500
+    with pytest.raises(ModelError, match="no camera 'top', it has overview, side"):
+        next(render.frames(model, turned.qpos, [0.0, 1.0], "top"))
+
+
+def test_pictures_refuse_what_cannot_be(tmp_path):
+    with pytest.raises(OptionError, match=r"ending must be \.gif or \.mp4"):
+        render.save_animation(tmp_path / "crane.avi", [])
+    with pytest.raises(OptionError, match="no picture"):
+        render.save_animation(tmp_path / "crane.gif", [])
+    assert not list(tmp_path.iterdir())
+    model = mjcf.compile(models.overhead_crane())
+    with pytest.raises(OptionError, match=r"qpos has shape \(2, 2\), it must be \(2, 3\)"):
+        next(render.frames(model, np.zeros((2, 2)), [0.0, 1.0]))
+    with pytest.raises(OptionError, match="4000 x 480"):
+        render.renderer(model, 4000, 480)
+
+
+def test_no_backend_is_one_clear_line(monkeypatch):
+    monkeypatch.delenv("MUJOCO_GL", raising=False)
+    monkeypatch.setattr(render, "_works", lambda name: False)
+    monkeypatch.setattr(render.sys, "modules", {})
+    monkeypatch.setattr(render.sys, "platform", "linux")
+    with pytest.raises(ModelError, match="install one of them"):
+        render.backend.__wrapped__()
