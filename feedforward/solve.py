@@ -62,7 +62,7 @@ def solve(rig: Rig, reference: Reference, times: ArrayLike) -> Motion:
     solution = expand(branch.steps, len(guess), taylor, guess, follow=False)
     _refuse(rig, reference, branch.analysis, solution, branch.signs, instants)
     motion = _motion(rig, equations_of(rig), solution, instants, branch)
-    _stay_on_rails(rig, motion)
+    _stay_on_rails(rig, motion.coordinate_names, motion.positions.T, instants)
     return motion
 
 
@@ -121,6 +121,7 @@ def _branch(rig: Rig, reference: Reference) -> _Branch:
     _refuse(rig, reference, analysis, solution, signs, times, HOME_SAMPLES)
     values = np.array([coefficients[0] for coefficients in solution.series])
     path = values[:, HOME_SAMPLES:]
+    _stay_on_rails(rig, equations.names, path, grid)
     rates = np.gradient(path, grid[1], axis=1)
     for j, coefficients in enumerate(solution.series):
         if len(coefficients) > 1:
@@ -266,16 +267,16 @@ def _angle(cos: Array, sin: Array, near: Array) -> Array:
     return np.array([principal + 2.0 * np.pi * turns, rate, acceleration])
 
 
-def _stay_on_rails(rig: Rig, motion: Motion) -> None:
-    """Refuse a motion in which a trolley leaves its rail."""
+def _stay_on_rails(rig: Rig, names: tuple[str, ...], positions: Array, times: Array) -> None:
+    """Refuse a motion (coordinates, N) in which a trolley leaves its rail."""
     for trolley in rig.trolleys:
         rail = rig.rail(trolley.rail)
-        place = motion.positions[:, motion.column(trolley.coordinate)]
-        beyond = np.maximum(rail.start - place, place - rail.end)
-        if (beyond > RAIL_TOLERANCE).any():
-            i = int((beyond > RAIL_TOLERANCE).argmax())
+        place = positions[names.index(trolley.coordinate)]
+        beyond = np.maximum(rail.start - place, place - rail.end) > RAIL_TOLERANCE
+        if beyond.any():
+            i = int(beyond.argmax())
             raise PathError(
-                f"rig {rig.name} cannot follow the path at t = {motion.times[i]:.4g} s: "
+                f"rig {rig.name} cannot follow the path at t = {times[i]:.4g} s: "
                 f"{trolley.name} is at {place[i]:.4g} m, rail {rail.name} goes from "
                 f"{rail.start:g} m to {rail.end:g} m"
             )
