@@ -34,7 +34,7 @@ def residuals(motion: Motion, reference: Reference) -> Array:
     kinds = np.array([row.name.split()[0] for row in rows])
     floors = {kind: 1e-6 * np.max(sizes, where=kinds == kind, initial=0.0) for kind in kinds}
     scales = [max(size, floors[kind]) for size, kind in zip(sizes, kinds, strict=True)]
-    return np.array(wrong).T / scales
+    return np.asarray(np.array(wrong).T / scales)
 
 
 def _unknowns(motion: Motion) -> tuple[list[Array], list[Array]]:

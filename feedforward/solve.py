@@ -96,7 +96,7 @@ class _Branch:
         bend = share * (1.0 - share)
         start = step * self.rates[:, below] + drop
         end = step * self.rates[:, below + 1] + drop
-        return left - share * drop + bend * ((1.0 - share) * start - share * end)
+        return np.asarray(left - share * drop + bend * ((1.0 - share) * start - share * end))
 
 
 @lru_cache(maxsize=512)
@@ -191,7 +191,7 @@ def _refuse(
     approach: int = 0,
 ) -> None:
     """Raise at the first sample that has no solution or lies beyond a singular place."""
-    wrong = solution.failed.copy()
+    wrong = ~solution.solved
     for block, sign in solution.signs.items():
         wrong |= (sign != signs[block]) | (signs[block] == 0)
     if not wrong.any():
@@ -200,13 +200,12 @@ def _refuse(
     first = int(order[wrong[order].argmax()])
     guilty = [
         block
-        for block, sign in solution.signs.items()
-        if sign[first] != signs[block]
+        for block, (_, unknowns) in enumerate(analysis.blocks)
+        if solution.signs[block][first] != signs[block]
         or signs[block] == 0
-        or (block in solution.culprit and solution.culprit[block][first])
+        or not all(np.isfinite(solution.series[j][0][first]) for j in unknowns)
     ]
-    unknowns = analysis.blocks[guilty[0]][1] if guilty else ()
-    lost = " and ".join(analysis.unknowns[j] for j in unknowns)
+    lost = " and ".join(analysis.unknowns[j] for j in analysis.blocks[guilty[0]][1])
     place = ", ".join(
         f"{name} = {value:.4g}"
         for name, value in zip(rig.outputs, reference(times[first : first + 1])[0], strict=True)

@@ -1,6 +1,6 @@
 """The order of work of a Taylor expansion: which block is solved at which stage."""
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,11 @@ from .structure import Analysis, Row
 Array = NDArray[np.float64]
 Series = list[list[Array]]
 """Per unknown its Taylor coefficients so far, each of shape (N,)."""
+
+
+Kind = Literal["given", "scalar", "linear", "quadratic", "newton"]
+"""How a block is solved at a stage: copied from the reference, as one linear equation or a system
+of them, as one quadratic equation, or by Newton's method."""
 
 
 class Slope(NamedTuple):
@@ -35,7 +40,7 @@ class Step(NamedTuple):
     """Unknowns with the order of the coefficient to be found."""
     slopes: tuple[tuple[Slope, ...], ...]
     """How the coefficient of each equation depends on that of each unknown."""
-    nonlinear: bool
+    kind: Kind
     block: int
 
 
@@ -55,17 +60,23 @@ def plan(analysis: Analysis) -> tuple[Step, ...]:
                 if stage + analysis.unknown_offsets[j] >= 0
             )
             if rows:
-                fresh = {j for j, order in columns if order == 0}
-                nonlinear = any(
-                    order == 0 and j in fresh and k in fresh
-                    for row, order in rows
-                    for _, j, k in row.quadratic
-                )
                 slopes = tuple(
                     tuple(_slope(row, order, *column) for column in columns) for row, order in rows
                 )
-                steps.append(Step(rows, columns, slopes, nonlinear, number))
+                steps.append(Step(rows, columns, slopes, _kind(rows, columns), number))
     return tuple(steps)
+
+
+def _kind(rows: tuple[tuple[Row, int], ...], columns: tuple[tuple[int, int], ...]) -> Kind:
+    if len(rows) == 1 and rows[0][0].output is not None:
+        return "given"
+    fresh = {j for j, order in columns if order == 0}
+    nonlinear = any(
+        order == 0 and j in fresh and k in fresh for row, order in rows for _, j, k in row.quadratic
+    )
+    if len(rows) == 1:
+        return "quadratic" if nonlinear else "scalar"
+    return "newton" if nonlinear else "linear"
 
 
 def _slope(row: Row, order: int, unknown: int, highest: int) -> Slope:

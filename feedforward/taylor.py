@@ -31,21 +31,23 @@ SINGULAR = 1e-11
 SAME = 1e-6
 """Solutions closer than this fraction of their size are the same one."""
 
-Solved = tuple[Array, Array | None, Flags]
-"""A step's determinants (N,), its matrices (k, k, N) unless scalar, and where it failed (N,)."""
+Solved = tuple[Array, Array | None]
+"""A step's determinants (N,) or one for all, and its matrices (k, k, N) unless it is scalar."""
 
 
 @dataclass
 class Solution:
-    """Taylor coefficients of all unknowns at N samples of a path."""
+    """Taylor coefficients of all unknowns at N samples, not finite where there is no solution."""
 
     series: Series
     signs: dict[int, Array]
     """Per block the determinant's sign at each sample, 0 where it is singular, shape (N,)."""
-    failed: Flags
-    """True where some block has no solution, shape (N,)."""
-    culprit: dict[int, Flags]
-    """Per block where it is the reason, shape (N,)."""
+
+    @property
+    def solved(self) -> Flags:
+        """Where everything has a value, shape (N,)."""
+        finite = np.isfinite([values for known in self.series for values in known])
+        return np.asarray(finite.all(axis=0))
 
 
 def expand(
@@ -67,30 +69,35 @@ def expand(
         follow: whether each sample continues the one before it, so that nonlinear blocks are
             solved by continuation from the first.
     """
-    samples = reference.shape[1]
+    zero = np.zeros(reference.shape[1])
     series: Series = [[] for _ in range(unknowns)]
-    solution = Solution(series, {}, np.zeros(samples, bool), {})
+    signs: dict[int, Array] = {}
     with np.errstate(all="ignore"):  # what fails is found by its value
         for step in steps:
             for j, _ in step.columns:
-                series[j].append(np.zeros(samples))
-            scalar = len(step.rows) == 1
-            if scalar and not step.nonlinear:
-                determinant, matrix, bad = _scalar(step, series, reference)
-            elif not step.nonlinear:
-                determinant, matrix, bad = _linear(step, series, reference)
-            elif scalar:
-                determinant, matrix, bad = _quadratic(step, series, reference, guess)
-            elif follow:
-                determinant, matrix, bad = _continuation(step, series, reference, guess)
-            else:
-                determinant, matrix, bad = _newton(step, series, reference, guess)
-            if step.block not in solution.signs:
-                solution.signs[step.block] = _sign(determinant, matrix)
-            if bad.any():
-                solution.culprit.setdefault(step.block, bad & ~solution.failed)
-                solution.failed |= bad
-    return solution
+                series[j].append(zero)
+            determinant, matrix = _solve(step, series, reference, guess, follow)
+            if step.block not in signs:
+                signs[step.block] = np.broadcast_to(_sign(determinant, matrix), zero.shape)
+    return Solution(series, signs)
+
+
+def _solve(step: Step, series: Series, reference: Array, guess: Array, follow: bool) -> Solved:
+    """Replace the zeros that stand for a step's coefficients by their values."""
+    if step.kind == "given":
+        return _given(step, series, reference)
+    if step.kind == "scalar":
+        return _scalar(step, series, reference)
+    if step.kind == "linear":
+        return _linear(step, series, reference)
+    if step.kind == "quadratic":
+        return _quadratic(step, series, reference, guess)
+    values, determinant, matrix = (_continuation if follow else _newton)(
+        step, series, reference, guess
+    )
+    for (j, order), value in zip(step.columns, values, strict=True):
+        series[j][order] = value
+    return determinant, matrix
 
 
 def residual(row: Row, order: int, series: Series, reference: Array) -> Array:
@@ -99,7 +106,7 @@ def residual(row: Row, order: int, series: Series, reference: Array) -> Array:
     for a, j in row.linear:
         total += a * series[j][order]
     for a, j in row.second:
-        total += (a * (order + 1) * (order + 2)) * series[j][order + 2]
+        total += a * (order + 1) * (order + 2) * series[j][order + 2]
     for a, j, k in row.quadratic:
         left, right = series[j], series[k]
         product = left[0] * right[order]
@@ -145,15 +152,21 @@ def _linear(step: Step, series: Series, reference: Array) -> Solved:
     values, determinant = solve_many(matrix.copy(), -_residuals(step, series, reference))
     for (j, order), value in zip(step.columns, values, strict=True):
         series[j][order] = value
-    return determinant, matrix, ~np.isfinite(values).all(axis=0)
+    return determinant, matrix
+
+
+def _given(step: Step, series: Series, reference: Array) -> Solved:
+    ((row, order),), ((j, _),) = step.rows, step.columns
+    assert row.output is not None
+    series[j][order] = reference[order, :, row.output]
+    return np.ones(1), None
 
 
 def _scalar(step: Step, series: Series, reference: Array) -> Solved:
     ((row, order),), ((j, highest),) = step.rows, step.columns
-    slope = np.asarray(step.slopes[0][0].at(series))
-    value = residual(row, order, series, reference) / -slope
-    series[j][highest] = value
-    return slope + np.zeros_like(value), None, ~np.isfinite(value)
+    slope = step.slopes[0][0].at(series)
+    series[j][highest] = residual(row, order, series, reference) / -slope
+    return np.atleast_1d(slope), None
 
 
 def _quadratic(step: Step, series: Series, reference: Array, guess: Array) -> Solved:
@@ -178,71 +191,61 @@ def _quadratic(step: Step, series: Series, reference: Array, guess: Array) -> So
     if linear.any():
         value = np.where(linear, -c / b, value)
     series[j][order] = value
-    return determinant, None, ~np.isfinite(value)
+    return determinant, None
 
 
 def _newton(
     step: Step, series: Series, reference: Array, guess: Array, window: slice = slice(None)
-) -> Solved:
-    """Newton's method from a guess, at the samples of a window."""
+) -> tuple[Array, Array, Array]:
+    """Newton's method from a guess, at the samples of a window.
+
+    Returns the unknowns (k, N), NaN where the method does not converge, the determinants (N,)
+    and the matrices (k, k, N).
+    """
     local = [[values[window] for values in known] for known in series]
     part = reference[:, window]
-    samples = part.shape[1]
-    start = np.broadcast_to(guess, (len(guess), samples))
+    start = np.broadcast_to(guess, (len(guess), part.shape[1]))
     for j, order in step.columns:
         if order == 0:
-            local[j][0] = start[j].copy()
+            local[j][0] = start[j]
     for _ in range(NEWTON_ITERATIONS):
         matrix = _jacobian(step, local)
         change, determinant = solve_many(matrix.copy(), -_residuals(step, local, part))
-        size = np.zeros(samples)
         for (j, order), delta in zip(step.columns, change, strict=True):
             local[j][order] = local[j][order] + delta
-            size = np.maximum(size, np.abs(local[j][order]))
-        done = np.abs(change).max(axis=0) <= NEWTON_TOLERANCE * size
+        values = np.array([local[j][order] for j, order in step.columns])
+        done = np.abs(change).max(axis=0) <= NEWTON_TOLERANCE * np.abs(values).max(axis=0)
         if done.all():
             break
-    for j, order in step.columns:
-        series[j][order][window] = local[j][order]
-    return determinant, matrix, ~done
+    return np.where(done, values, np.nan), determinant, matrix
 
 
-def _continuation(step: Step, series: Series, reference: Array, guess: Array) -> Solved:
+def _continuation(
+    step: Step, series: Series, reference: Array, guess: Array
+) -> tuple[Array, Array, Array]:
     """Newton's method along the samples, each solution continuing the one before it.
 
     A first try starts every sample from the first one's solution.  A sample continues its
     predecessor if Newton's method started there ends at the same solution; from the first
-    that does not, the rest is solved anew.
+    that does not, the rest is solved anew.  Returns as `_newton`.
     """
-    samples, size = reference.shape[1], len(step.rows)
-    determinant, matrix = np.zeros(samples), np.zeros((size, size, samples))
-    bad = np.ones(samples, bool)
-    front, start = 0, guess
-    while front < samples:
+    values, determinant, matrix = _newton(step, series, reference, guess)
+    samples = values.shape[1]
+    columns = [j for j, _ in step.columns]
+    front = 0
+    while True:
         window = slice(front, samples)
-        determinant[window], matrix[..., window], bad[window] = _newton(
+        before = np.zeros((len(guess), samples - front))
+        before[columns] = values[:, [front, *range(front, samples - 1)]]
+        again, *_ = _newton(step, series, reference, before, window)
+        distance = np.abs(again - values[:, window]).max(axis=0)
+        apart = ~(distance <= SAME * np.abs(again).max(axis=0))
+        if not apart[1:].any() or apart[0]:
+            return values, determinant, matrix
+        front += 1 + int(apart[1:].argmax())
+        start = np.zeros((len(guess), 1))
+        start[columns, 0] = values[:, front - 1]
+        window = slice(front, samples)
+        values[:, window], determinant[window], matrix[..., window] = _newton(
             step, series, reference, start, window
         )
-        if bad[front]:
-            break
-        found = np.array([series[j][order] for j, order in step.columns])
-        before = np.zeros((len(guess), samples - front))
-        for (j, _), values in zip(step.columns, found, strict=True):
-            before[j] = values[[front, *range(front, samples - 1)]]
-        _, _, lost = _newton(step, series, reference, before, window)
-        again = np.array([series[j][order] for j, order in step.columns])
-        for (j, order), values in zip(step.columns, found, strict=True):
-            series[j][order] = values
-        distance = np.abs(again - found)[:, window].max(axis=0)
-        extent = np.abs(found[:, window]).max(axis=0)
-        apart = bad[window] | lost | ~(distance <= SAME * extent)
-        if not apart.any():
-            break
-        if apart[0]:
-            bad[front] = True
-            break
-        front += int(apart.argmax())
-        start = np.zeros((len(guess), 1))
-        for j, order in step.columns:
-            start[j] = series[j][order][front - 1]
-    return determinant, matrix, bad
