@@ -1,7 +1,8 @@
 """The cranes of the sources, with their numbers as defaults.
 
-Sources: Y = Yang 2016, K = Kiss 2001.  Limits of the drives are not in the sources: they
-are about twice what the default move needs, rounded.
+Sources: Y = Yang 2016, K = Kiss 2001.  Limits of the drives are not in the sources: they follow
+from the load's weight, are at least twice what the default move needs, and hold the rotary
+crane against a wind of 5 % of that weight.
 """
 
 import inspect
@@ -105,8 +106,8 @@ def rotary_crane(
         masses=(Trolley("trolley", trolley_mass, rail="girder"), Load("load", load_mass)),
         ropes=(Rope("hoist", ("trolley", "load"), drum_radius, winch_inertia),),
         drives=(
-            Drive("bridge", on="bridge", limit=0.15 * weight),
-            Drive("trolley", on="trolley", limit=0.1 * weight),
+            Drive("bridge", on="bridge", limit=0.5 * weight),
+            Drive("trolley", on="trolley", limit=0.2 * weight),
             Drive("winch", on="hoist", limit=2.0 * weight * drum_radius),
         ),
         outputs=("load.x", "load.y", "load.z"),
