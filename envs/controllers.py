@@ -1,0 +1,224 @@
+"""Controllers as wrappers: feedback, feedforward, and what is learned on top.
+
+    env = Feedforward(PD(gym.make("flatrig/OverheadCrane-v0")))
+    env = Residual(env, fraction=0.2)       # a policy's action, a fifth of the limits
+
+Each adds its share of the drives' limits to the action that comes from above and hands the sum
+down; only the environment clips.  All work on single and vector environments through the same
+code: `PD(env)` returns a `gym.Wrapper` or a `gym.vector.VectorWrapper` as `env` needs.
+
+The inputs that hold the rig at rest (a winch carries its load) are needed once.  `PD` adds them
+unless a controller below does; `Feedforward`, which contains them, leaves out what is added below.
+"""
+
+from abc import ABC, abstractmethod
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from gymnasium.vector import VectorEnv, VectorWrapper
+from numpy.typing import ArrayLike, NDArray
+
+from ..models.errors import OptionError
+from .task import CraneTask
+from .tuning import Gains, Track, gains_of
+
+Array = NDArray[np.float64]
+AnyEnv = gym.Env[Any, Any] | VectorEnv[Any, Any, Any]
+
+
+class Law(ABC):
+    """What a controller does with an action; stateless, for n simulations."""
+
+    @abstractmethod
+    def apply(self, actions: Array) -> Array:
+        """Actions to hand down, (n, drives), from those from above."""
+
+    def holding(self) -> Array | None:
+        """The part of it that holds the rig at rest, (n, drives) over the limits, if any."""
+        return None
+
+
+class PDLaw(Law):
+    """u = holding + k (reference - measured) + d (reference rate - measured rate)."""
+
+    def __init__(self, task: CraneTask, gains: Gains, moving: bool, hold: bool) -> None:
+        self._task, self._moving, self._hold = task, moving, hold
+        self._gains = np.concatenate((gains.stiffness / task.limits, gains.damping / task.limits))
+
+    def apply(self, actions: Array) -> Array:
+        """Add the feedback."""
+        encoders, drives = self._task.encoders, len(self._task.limits)
+        if self._moving:
+            feedback = encoders.errors * self._gains
+        else:
+            feedback = encoders.measured * -self._gains
+            feedback[:, :drives] += self._task.rows.goal * self._gains[:drives]
+        inputs = feedback[:, :drives] + feedback[:, drives:]
+        inputs += actions
+        if self._hold:
+            inputs += self._held()
+        return np.asarray(inputs)
+
+    def holding(self) -> Array | None:
+        """Inputs of the equilibrium, along the reference or at its goal (K 3.62)."""
+        return self._held() if self._hold else None
+
+    def _held(self) -> Array:
+        return self._task.rows.parts["holding"] if self._moving else self._task.rows.goal_inputs
+
+
+class FeedforwardLaw(Law):
+    """The exact inputs of the reference, for the middle of the hold that begins."""
+
+    def __init__(self, task: CraneTask, below: Law | None) -> None:
+        self._task, self._below = task, below
+
+    def apply(self, actions: Array) -> Array:
+        """Add the feedforward."""
+        inputs = self._task.rows.parts["feedforward"]
+        held = None if self._below is None else self._below.holding()
+        return np.asarray(actions + (inputs if held is None else inputs - held))
+
+    def holding(self) -> Array | None:
+        """The equilibrium is part of the feedforward."""
+        return self._task.rows.parts["holding"] if self._below is None else None
+
+
+class ResidualLaw(Law):
+    """A fraction of the limits for what is learned."""
+
+    def __init__(self, fraction: float) -> None:
+        self._fraction = fraction
+
+    def apply(self, actions: Array) -> Array:
+        """Scale the action."""
+        return np.asarray(np.minimum(np.maximum(actions, -1.0), 1.0) * self._fraction)
+
+
+class Controller(gym.Wrapper[Any, Any, Any, Any]):
+    """A law in front of a single environment."""
+
+    def __init__(self, env: gym.Env[Any, Any], law: Law) -> None:
+        super().__init__(env)
+        self.law = law
+
+    def step(self, action: ArrayLike) -> Any:
+        """Hand down what the law makes of the action."""
+        return self.env.step(self.law.apply(np.asarray(action, dtype=float)[None])[0])
+
+
+class VectorController(VectorWrapper[Any, Any, Any, Any, Any]):
+    """A law in front of a vector environment."""
+
+    def __init__(self, env: VectorEnv[Any, Any, Any], law: Law) -> None:
+        super().__init__(env)
+        self.law = law
+
+    def step(self, actions: ArrayLike) -> Any:
+        """Hand down what the law makes of the actions."""
+        return self.env.step(self.law.apply(np.asarray(actions, dtype=float)))
+
+
+def PD(
+    env: AnyEnv,
+    *,
+    track: Track = "moving",
+    stiffness: ArrayLike | None = None,
+    damping: ArrayLike | None = None,
+) -> Any:
+    """Proportional-derivative feedback of every drive, from encoders only.
+
+    Parameters
+    ----------
+    env
+        A crane, single or vector, wrapped or not.
+    track
+        "moving": towards the reference; "set point": towards its goal from the start (K 3.62).
+    stiffness, damping
+        For each drive, per metre, or radian of a turning frame: [N/m, N s/m] for a trolley,
+        [N m/m, N m s/m], torque per metre of rope, for a winch, [N m/rad, N m s/rad] for a
+        turning frame.  By default they follow from the rig, see `flatrig.envs.tuning`.
+
+    Raises
+    ------
+    OptionError
+        `track` is unknown, gains are negative or not one for each drive, or `env` is no crane.
+    """
+    task = task_of(env)
+    if track not in ("moving", "set point"):
+        raise OptionError(f'track is {track!r}, it must be "moving" or "set point"')
+    usual = gains_of(task, track)
+    gains = Gains(
+        usual.stiffness if stiffness is None else _gain(task, "stiffness", stiffness),
+        usual.damping if damping is None else _gain(task, "damping", damping),
+    )
+    return _wrap(env, PDLaw(task, gains, track == "moving", _holder(env) is None))
+
+
+def Feedforward(env: AnyEnv) -> Any:
+    """The exact inputs of the reference; alone, or on top of `PD`.
+
+    Raises
+    ------
+    OptionError
+        `env` is no crane.
+    """
+    return _wrap(env, FeedforwardLaw(task_of(env), _holder(env)))
+
+
+def Residual(env: AnyEnv, fraction: float = 0.2) -> Any:
+    """What is learned: the action, clipped to [-1, 1], times a fraction of the drives' limits.
+
+    An action of zero leaves the controller below as it is, to the last bit.
+
+    Raises
+    ------
+    OptionError
+        The fraction is not in (0, 1], or `env` is no crane.
+    """
+    task_of(env)
+    if not 0 < fraction <= 1:
+        raise OptionError(f"fraction is {fraction}, it must be > 0 and at most 1")
+    return _wrap(env, ResidualLaw(fraction))
+
+
+def task_of(env: AnyEnv) -> CraneTask:
+    """The task below all wrappers.
+
+    Raises
+    ------
+    OptionError
+        There is none: `env` is not a crane.
+    """
+    task = getattr(env.unwrapped, "task", None)
+    if not isinstance(task, CraneTask):
+        raise OptionError(f"{env} is not an environment of flatrig")
+    return task
+
+
+def _wrap(env: AnyEnv, law: Law) -> Controller | VectorController:
+    if isinstance(env, VectorEnv):
+        return VectorController(env, law)
+    return Controller(env, law)
+
+
+def _holder(env: AnyEnv) -> Law | None:
+    """The controller below that adds the inputs of the equilibrium."""
+    layer: Any = env
+    while layer is not layer.unwrapped:
+        if isinstance(layer, Controller | VectorController) and layer.law.holding() is not None:
+            return layer.law
+        layer = layer.env
+    return None
+
+
+def _gain(task: CraneTask, name: str, value: ArrayLike) -> Array:
+    gains = np.asarray(value, dtype=float)
+    count = len(task.rig.drives)
+    if gains.shape not in ((), (count,)) or not (np.isfinite(gains) & (gains >= 0)).all():
+        raise OptionError(
+            f"{name} is {gains.tolist()}, it must be {count} numbers >= 0, one for each of "
+            f"{', '.join(task.rig.input_names)}"
+        )
+    return np.broadcast_to(gains, (count,)).copy()

@@ -1,0 +1,215 @@
+"""What differs from the model in the plant: ranges, single scenarios, and a paired design.
+
+    disturbances = Disturbances.standard(rig)         # load mass, friction, wind, delay
+    scenarios = design(disturbances, 100, seed=1)     # one Latin hypercube
+    env.reset(seed=0, options={"scenario": scenarios[17]})
+
+A `Scenario` is one plant.  Controllers are compared on the same list of scenarios, each against
+each, so that a difference between them is not a difference between their plants.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..models.errors import OptionError, did_you_mean
+from ..models.rig import Rig
+
+Array = NDArray[np.float64]
+Range = tuple[float, float]
+
+NONE: Range = (0.0, 0.0)
+
+LONGEST_DELAY = 31
+"""Of an input, in control periods."""
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """How one plant differs from its rig; the defaults do not differ.
+
+    Raises:
+        OptionError: a number is not finite, or a mass, friction, delay or resolution is negative.
+    """
+
+    load_mass: float = 1.0
+    """Mass of every load over the rig's."""
+    winch_friction: float = 0.0
+    """Coulomb friction of every winch [N of rope force]."""
+    trolley_friction: float = 0.0
+    """Coulomb friction of every trolley on its rail [N]."""
+    wind: float = 0.0
+    """Steady force on every load [N]."""
+    wind_direction: float = 0.0
+    """Where the wind blows, from the x axis about z [rad]; in a planar rig its side of y = 0."""
+    gust: float = 0.0
+    """Amplitude of a sinusoid on top of the wind, in the same direction [N]."""
+    gust_frequency: float = 0.0
+    """[Hz]"""
+    gust_phase: float = 0.0
+    """[rad]"""
+    swing: float = 0.0
+    """Angle of the ropes that loads hang from at the start [rad]; loads start at rest."""
+    swing_direction: float = 0.0
+    """Like `wind_direction` [rad]."""
+    encoder_resolution: float = 0.0
+    """Step of what encoders read [m] or [rad]; rates then come from counting over one period."""
+    delay: int = 0
+    """Whole control periods between command and input."""
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if not math.isfinite(value):
+                raise OptionError(f"scenario: {item.name} is {value}, it must be finite")
+        if not self.load_mass > 0:
+            raise OptionError(f"scenario: load_mass is {self.load_mass:g}, it must be > 0")
+        for name in ("winch_friction", "trolley_friction", "encoder_resolution", "delay"):
+            if getattr(self, name) < 0:
+                raise OptionError(f"scenario: {name} is {getattr(self, name):g}, it must be >= 0")
+        if self.delay != int(self.delay):
+            raise OptionError(f"scenario: delay is {self.delay}, it must be a whole number")
+        if self.delay > LONGEST_DELAY:
+            raise OptionError(
+                f"scenario: delay is {self.delay} periods, it must be at most {LONGEST_DELAY}"
+            )
+
+    @property
+    def friction(self) -> bool:
+        """Whether anything rubs."""
+        return self.winch_friction > 0 or self.trolley_friction > 0
+
+
+@dataclass(frozen=True)
+class Disturbances:
+    """Ranges (lowest, highest) from which scenarios are drawn uniformly; units as in `Scenario`.
+
+    Directions and the gusts' phase are drawn from the whole circle.
+
+    Raises:
+        OptionError: a range is upside down or holds a value that no scenario can have.
+    """
+
+    load_mass: Range = (1.0, 1.0)
+    winch_friction: Range = NONE
+    trolley_friction: Range = NONE
+    wind: Range = NONE
+    gust: Range = NONE
+    gust_frequency: Range = NONE
+    swing: Range = NONE
+    encoder_resolution: float = 0.0
+    delay: tuple[int, int] = (0, 0)
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if item.name == "encoder_resolution":
+                Scenario(encoder_resolution=value)
+                continue
+            if not isinstance(value, tuple | list) or len(value) != 2:
+                raise OptionError(f"disturbances: {item.name} is {value!r}, it must be (low, high)")
+            low, high = value
+            if not low <= high:
+                raise OptionError(
+                    f"disturbances: {item.name} is ({low}, {high}), low must not exceed high"
+                )
+            Scenario(**{item.name: low})
+            Scenario(**{item.name: high})
+            object.__setattr__(self, item.name, (low, high))
+
+    @classmethod
+    def standard(cls, rig: Rig) -> "Disturbances":
+        """Load mass off by up to 30 %, friction, wind with gusts, and up to two periods of delay.
+
+        Forces follow from the weight of the rig's loads: friction up to 3 % of it, wind and
+        gusts up to 2 % each.
+        """
+        weight = rig.gravity * sum(load.mass for load in rig.loads)
+        return cls(
+            load_mass=(0.7, 1.3),
+            winch_friction=(0.0, 0.03 * weight),
+            trolley_friction=(0.0, 0.03 * weight),
+            wind=(0.0, 0.02 * weight),
+            gust=(0.0, 0.02 * weight),
+            gust_frequency=(0.05, 0.5),
+            delay=(0, 2),
+        )
+
+    @property
+    def friction(self) -> bool:
+        """Whether a scenario can have friction."""
+        return self.winch_friction[1] > 0 or self.trolley_friction[1] > 0
+
+    def scenario(self, shares: ArrayLike) -> Scenario:
+        """The scenario at a place of the unit cube, shape (DIMENSIONS,)."""
+        share = dict(zip(_DRAWN, np.asarray(shares, dtype=float).tolist(), strict=True))
+        values: dict[str, Any] = {"encoder_resolution": self.encoder_resolution}
+        for name, place in share.items():
+            if name in _CIRCULAR:
+                present = any(getattr(self, owner)[1] > 0 for owner in _CIRCULAR[name])
+                values[name] = 2.0 * math.pi * place if present else 0.0
+            elif name == "delay":
+                low, high = self.delay
+                values[name] = min(low + int(place * (high - low + 1)), high)
+            else:
+                low, high = getattr(self, name)
+                values[name] = low + place * (high - low)
+        return Scenario(**values)
+
+    def draw(self, generator: np.random.Generator) -> Scenario:
+        """A scenario of its own for one episode."""
+        return self.scenario(generator.random(DIMENSIONS))
+
+
+_CIRCULAR = {
+    "wind_direction": ("wind", "gust"),
+    "gust_phase": ("gust",),
+    "swing_direction": ("swing",),
+}
+"""Directions and phases with the disturbances that they belong to."""
+
+_DRAWN = tuple(item.name for item in fields(Scenario) if item.name != "encoder_resolution")
+
+DIMENSIONS = len(_DRAWN)
+"""Number of independent shares that make a scenario."""
+
+
+def design(disturbances: Disturbances, number: int, seed: int) -> list[Scenario]:
+    """Scenarios that cover the ranges evenly: one Latin hypercube, the same for the same seed.
+
+    Raises:
+        OptionError: `number` is not positive.
+    """
+    from scipy.stats import qmc  # only here: slow to import
+
+    if number < 1:
+        raise OptionError(f"number of scenarios is {number}, it must be 1 or more")
+    cube = qmc.LatinHypercube(DIMENSIONS, rng=np.random.default_rng(seed)).random(number)
+    return [disturbances.scenario(place) for place in cube]
+
+
+def as_disturbances(value: Disturbances | Mapping[str, Any] | str | None, rig: Rig) -> Disturbances:
+    """The option `disturbances` of an environment: None, "standard", ranges by name, or ready.
+
+    Raises:
+        OptionError: it is something else.
+    """
+    if value is None:
+        return Disturbances()
+    if isinstance(value, Disturbances):
+        return value
+    if value == "standard":
+        return Disturbances.standard(rig)
+    if isinstance(value, Mapping):
+        known = [item.name for item in fields(Disturbances)]
+        for name in value:
+            if name not in known:
+                raise OptionError(f"there is no disturbance {name!r}{did_you_mean(name, known)}")
+        return Disturbances(**value)
+    raise OptionError(
+        f'disturbances is {value!r}, it must be None, "standard", ranges by name or Disturbances'
+    )

@@ -1,0 +1,264 @@
+"""The simulations behind the environments: `mujoco.batch` with the rig's own names for things.
+
+A `Plant` holds n simulations of one rig.  Each has its own load mass, friction and wind; inputs
+are held over a control period of several substeps, and everything that is read afterwards belongs
+to the new state under the inputs still held.
+"""
+
+import os
+from collections.abc import Mapping, Sequence
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from ..models import mjcf
+from ..models.errors import OptionError
+from ..models.rig import Rig
+from ..models.state import State, coordinates, joint_state, points
+from .disturbances import Scenario
+from .geometry import evenly, geometry_of, hangers, output_columns
+from .ropes import Friction, RopeForces
+
+Array = NDArray[np.float64]
+Ids = NDArray[np.int32]
+
+ACCELERATIONS = int(mujoco.mjtStage.mjSTAGE_ACC)
+NOTHING = int(mujoco.mjtStage.mjSTAGE_NONE)
+
+SLACK = "slack"
+"""Why an episode ends when a rope would have to push."""
+
+NOT_FINITE = "not finite"
+"""Why an episode ends when the simulation has left the numbers."""
+
+
+class Plant:
+    """n simulations of a rig.
+
+    Attributes are live arrays: read them, copy them, do not keep them.
+
+    Attributes
+    ----------
+    ctrl
+        Inputs, (n, drives) [N, N m]; write them, then `step`.
+    drive_positions, drive_rates
+        What ideal encoders read, (n, drives).
+    outputs, output_rates
+        The rig's outputs as they really are, (n, outputs), and if made with `rates` theirs.
+    margins
+        Tensions, then clearances; an episode ends when one is not > 0.
+    tensions
+        Of the ropes, the first columns of `margins`, (n, ropes) [N].
+    reasons
+        For each column of `margins`, why.
+    """
+
+    def __init__(
+        self,
+        rig: Rig,
+        num: int,
+        *,
+        timestep: float,
+        substeps: int,
+        friction: bool = False,
+        rates: bool = False,
+        nthread: int | None = None,
+    ) -> None:
+        self.rig = rig
+        self.num = num
+        self.substeps = substeps
+        self.model = _model(rig, timestep, friction, rates)
+        threads = nthread or min(num, os.cpu_count() or 1)
+        self.batch = Batch(self.model, num, threads, persistent=True)
+        self.home = np.array(self.model.key_qpos[0])
+        self.geometry = geometry_of(rig, self.model, self.home)
+        self._bind(rates)
+        self._allocate()
+        self._forces = RopeForces(
+            rig, self.model, self.batch, self.geometry, self._spans, self.tensions
+        )
+        self._friction = Friction(rig, self.model, self.batch) if friction else None
+        self._wind = _Wind(rig, self.model, self.batch)
+        self._masses: Array | None = None
+
+    def reset(self, ids: Ids, qpos: Array, ctrl: Array, scenarios: Sequence[Scenario]) -> None:
+        """Put simulations at rest at joints (len(ids), nq) under inputs (len(ids), drives)."""
+        self.batch.reset(ids, stage=NOTHING)
+        for sim, scenario, joints in zip(ids.tolist(), scenarios, qpos, strict=True):
+            self.qpos[sim] = self._swung(joints, scenario) if scenario.swing else joints
+            self._disturb(sim, scenario)
+        self.ctrl[ids] = ctrl
+        if self._masses is not None:
+            self.batch.set_const(ids)
+        self._wind.blow()
+        self.batch.forward(ids)
+        self._read()
+
+    def step(self, ids: Ids | None = None) -> None:
+        """Hold `ctrl` over one control period, in all simulations or some."""
+        if self._wind.blowing:
+            self._wind.blow()
+        self.batch.step(ids, self.substeps, ACCELERATIONS)
+        self._read()
+
+    @property
+    def sound(self) -> bool:
+        """Whether every simulation can go on."""
+        worst = self.margins.argmin()  # the first that is not a number, if there is one
+        return bool(self.margins.item(worst) > 0)
+
+    def at_rest(self, values: Mapping[str, float]) -> Array:
+        """Joints (nq,) where the rig's coordinates have these values [m, rad]."""
+        return np.asarray(joint_state(self.rig, self.model, values).qpos)
+
+    def drives_at(self, joints: Array) -> Array:
+        """Drive positions (drives,) at joints (nq,)."""
+        state = State(joints[None], np.zeros_like(joints[None]))
+        values, _ = coordinates(self.rig, self.model, state)
+        parts = map(self.rig.driven, self.rig.drives)
+        return np.array([values[part.coordinate][0] for part in parts])
+
+    def why(self, sim: int) -> str:
+        """Reason for which a simulation cannot go on, "" if it can."""
+        if not np.isfinite(self.margins[sim]).all():
+            return NOT_FINITE
+        beyond = np.flatnonzero(self.margins[sim] <= 0)
+        return self.reasons[beyond[0]] if beyond.size else ""
+
+    def _bind(self, rates: bool) -> None:
+        """Live views of what is read and written at every step."""
+        batch, model, rig, num = self.batch, self.model, self.rig, self.num
+        self.qpos, self.qvel = batch.bind("qpos"), batch.bind("qvel")
+        self.ctrl = batch.bind("ctrl")
+        start = (self.qpos.ctypes.data - batch.state.ctypes.data) // batch.state.itemsize
+        both = batch.state[:, start : start + 2 * model.nq]  # qvel follows qpos
+        self._joint_state = both.reshape(num, 2, model.nq)
+        self._joint_accelerations = batch.bind("qacc")
+        self._lengths = batch.bind("actuator_length")
+        self._length_rates = batch.bind("actuator_velocity")
+        self._per_gear = np.tile(1.0 / model.actuator_gear[:, 0], (num, 1))
+        sites = [model.site(index).name for index in range(model.nsite)]
+        loads = [load.name for load in rig.loads]
+        columns = output_columns(rig, sites)
+        self._sites = batch.bind("site_xpos").reshape(num, -1)
+        self._places = evenly(columns) or columns
+        self.outputs = np.zeros((num, len(columns)))
+        self.output_rates = np.zeros((num, len(columns) if rates else 0))
+        self._speeds = batch.bind("sensordata")
+        columns = [3 * loads.index(sites[column // 3]) + column % 3 for column in columns]
+        self._speed_places = evenly(columns) or columns
+
+    def _allocate(self) -> None:
+        """Work arrays of the affine map, one small product of matrices for each simulation."""
+        num, geometry = self.num, self.geometry
+        ropes, clearances = len(self.rig.ropes), len(geometry.reasons)
+        joints = geometry.spans.shape[-1]
+        self.encoders = np.zeros((num, 2 * len(self.rig.drives)))
+        self.drive_positions, self.drive_rates = np.hsplit(self.encoders, 2)
+        self.reasons = (SLACK,) * ropes + geometry.reasons
+        rows = (np.zeros((ropes, joints)), geometry.clearances, geometry.spans.reshape(-1, joints))
+        self._weights = np.ascontiguousarray(np.vstack(rows).T)
+        self._joints = np.zeros((num, 3, joints))
+        self._joints[:, 0, -1] = 1.0
+        self._state, self._accelerations = self._joints[:, :2, :-1], self._joints[:, 2, :-1]
+        self._mapped = np.zeros((num, 3, self._weights.shape[1]))
+        self.margins = self._mapped[:, 0, : ropes + clearances]
+        self.tensions = self.margins[:, :ropes]
+        self._spans = self._mapped[:, :, ropes + clearances :]
+
+    def _read(self) -> None:
+        """Bring every attribute up to date."""
+        np.multiply(self._lengths, self._per_gear, self.drive_positions)
+        np.multiply(self._length_rates, self._per_gear, self.drive_rates)
+        self._state[...] = self._joint_state
+        self._accelerations[...] = self._joint_accelerations
+        np.matmul(self._joints, self._weights, self._mapped)
+        self._forces.read(None if self._friction is None else self._friction.read())
+        self.outputs[...] = self._sites[:, self._places]
+        if self.output_rates.size:
+            self.output_rates[...] = self._speeds[:, self._speed_places]
+
+    def _disturb(self, sim: int, scenario: Scenario) -> None:
+        """Give a simulation its masses, friction and wind."""
+        self._wind.set(sim, scenario)
+        loads = [self.model.body(load.name).id for load in self.rig.loads]
+        if self._masses is None and scenario.load_mass != 1.0:
+            self._masses = self.batch.expand("body_mass")
+        if self._masses is not None:
+            self._masses[sim, loads] = scenario.load_mass * self.model.body_mass[loads]
+        if self._friction is not None:
+            self._friction.set(sim, scenario.winch_friction, scenario.trolley_friction)
+        elif scenario.friction:
+            raise OptionError(
+                "the scenario has friction, but the environment was made without; make it with "
+                'disturbances="standard" or others that allow friction'
+            )
+
+    def _swung(self, joints: Array, scenario: Scenario) -> Array:
+        """Joints with each hanging load swung about what it hangs from, its rope as long."""
+        state = State(joints[None], np.zeros_like(joints[None]))
+        values, _ = coordinates(self.rig, self.model, state)
+        place = {name: motion[0, 0] for name, motion in points(self.rig, *state).items()}
+        for load, above in hangers(self.rig).items():
+            length = float(np.linalg.norm(place[load] - place[above]))
+            aside = np.sin(scenario.swing) * _heading(self.rig, scenario.swing_direction)
+            down = np.array([0.0, 0.0, -np.cos(scenario.swing)])
+            swung = place[above] + length * (aside + down)
+            for axis in self.rig.axes:
+                values[f"{load}.{axis}"] = swung["xyz".index(axis), None]
+        return np.asarray(joint_state(self.rig, self.model, values).qpos[0])
+
+
+class _Wind:
+    """A steady force on every load with a sinusoid on top, held over each control period."""
+
+    def __init__(self, rig: Rig, model: mujoco.MjModel, batch: Batch) -> None:
+        num = batch.nsim
+        self._rig = rig
+        self._loads = [model.body(load.name).id for load in rig.loads]
+        self._push, self._time = batch.bind("xfrc_applied"), batch.bind("time")
+        self._steady, self._gust, self._rate, self._phase = (np.zeros(num) for _ in range(4))
+        self._heading = np.zeros((num, 3))
+        self.blowing = False
+
+    def set(self, sim: int, scenario: Scenario) -> None:
+        """The wind of one simulation."""
+        self._steady[sim], self._gust[sim] = scenario.wind, scenario.gust
+        self._rate[sim] = 2.0 * np.pi * scenario.gust_frequency
+        self._phase[sim] = scenario.gust_phase
+        self._heading[sim] = _heading(self._rig, scenario.wind_direction)
+        self.blowing = bool((self._steady != 0).any() or (self._gust != 0).any())
+
+    def blow(self) -> None:
+        """Apply the forces of this instant."""
+        sway = np.sin(self._rate * self._time + self._phase)
+        force = (self._steady + self._gust * sway)[:, None] * self._heading
+        for load in self._loads:
+            self._push[:, load, :3] = force
+
+
+def _heading(rig: Rig, direction: float) -> Array:
+    """Horizontal unit vector, (3,); in a planar rig along x, to the side the direction points."""
+    if rig.dimensions == 2:
+        return np.array([1.0 if np.cos(direction) >= 0 else -1.0, 0.0, 0.0])
+    return np.array([np.cos(direction), np.sin(direction), 0.0])
+
+
+def _model(rig: Rig, timestep: float, friction: bool, rates: bool) -> mujoco.MjModel:
+    """The rig's bare physics, with the loads' velocities as sensors if asked for."""
+    scene = mjcf.spec(rig, timestep=timestep, visuals=False, friction=friction)
+    # A state that is not finite must show, not be replaced by the initial one without a word.
+    scene.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    if rates:
+        for load in rig.loads:
+            scene.add_sensor(
+                name=f"{load.name}.velocity",
+                type=mujoco.mjtSensor.mjSENS_FRAMELINVEL,
+                objtype=mujoco.mjtObj.mjOBJ_SITE,
+                objname=load.name,
+            )
+    model = scene.compile()
+    mjcf.check(model)
+    return model

@@ -1,0 +1,146 @@
+"""What the option `reference` of an environment may be, and references drawn at random."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .. import feedforward, models
+from ..feedforward.reference import Reference
+from ..models.errors import FlatrigError, OptionError
+from ..models.move import Move
+from ..models.rig import Rig
+from .plan import Plan, make_plan
+
+Sampler = Callable[[np.random.Generator], Reference | Move]
+ReferenceOption = Reference | Move | Sampler | str | None
+
+SHORTEST = 0.4
+"""A drawn move covers at least this share of the default move's distance."""
+
+HASTE = (1.0, 1.6)
+"""Durations of drawn moves over those that would be as fast as the default move."""
+
+TRIES = 50
+
+HEADROOM = 0.9
+"""Share of the drives' limits that a drawn move may use: controllers need the rest."""
+
+
+def as_reference(value: Reference | Move) -> Reference:
+    """A move made into a path; a path as it is."""
+    return feedforward.from_move(value) if isinstance(value, Move) else value
+
+
+def default_move(rig: Rig) -> Move:
+    """The move of the catalogue for a rig of that name.
+
+    Raises
+    ------
+    OptionError
+        The rig is not from the catalogue.
+    """
+    if rig.name not in models.CATALOGUE:
+        raise OptionError(
+            f"rig {rig.name} is not in the catalogue and has no move of its own; give `reference`"
+        )
+    return models.default_move(rig.name)
+
+
+@dataclass(frozen=True)
+class RandomMoves:
+    """Moves between random points of the box that the rig's default move spans.
+
+    Each is as smooth as the default move, takes as long as its distance asks, and can be
+    followed: ropes stay taut, trolleys on their rails, inputs within `HEADROOM` of the limits.
+    """
+
+    rig: Rig
+    move: Move
+
+    def __call__(self, generator: np.random.Generator) -> Reference:
+        """Draw one.
+
+        Raises
+        ------
+        OptionError
+            None of `TRIES` draws can be followed.
+        """
+        for _ in range(TRIES):
+            reference = as_reference(self._draw(generator))
+            if self._feasible(reference):
+                return reference
+        raise OptionError(
+            f"rig {self.rig.name} could follow none of {TRIES} random moves between "
+            f"{self.move.start} and {self.move.goal}; give `reference`"
+        )
+
+    def _draw(self, generator: np.random.Generator) -> Move:
+        corners = np.array((self.move.start, self.move.goal))
+        whole = float(np.linalg.norm(corners[1] - corners[0]))
+        while True:
+            ends = corners[0] + generator.random((2, corners.shape[1])) * (corners[1] - corners[0])
+            share = float(np.linalg.norm(ends[1] - ends[0])) / whole
+            if share >= SHORTEST:
+                break
+        haste = generator.uniform(*HASTE)
+        return replace(
+            self.move,
+            start=tuple(ends[0].tolist()),
+            goal=tuple(ends[1].tolist()),
+            duration=self.move.duration * haste * share**0.5,
+            blend=self.move.blend * haste * share**0.5,
+        )
+
+    def _feasible(self, reference: Reference) -> bool:
+        try:
+            plan = make_plan(self.rig, reference, reference.duration / 64, 0.0)
+        except FlatrigError:
+            return False
+        first = 2 * (len(self.rig.drives) + len(self.rig.outputs))
+        inputs = plan.rows[:, first : first + len(self.rig.drives)]
+        return bool(np.abs(inputs).max() <= HEADROOM)
+
+
+@dataclass
+class Planner:
+    """Makes the plan of each episode; one for all where the reference is fixed."""
+
+    rig: Rig
+    option: ReferenceOption
+    period: float
+    hold: float
+
+    def __post_init__(self) -> None:
+        option = self.option
+        self._sampler: Sampler | None = None
+        self._fixed: Plan | None = None
+        if option is None:
+            option = default_move(self.rig)
+        if option == "random":
+            self._sampler = RandomMoves(self.rig, default_move(self.rig))
+        elif isinstance(option, Move) or hasattr(option, "derivatives"):
+            self._fixed = self.plan(option)  # type: ignore[arg-type]
+        elif callable(option):
+            self._sampler = option
+        else:
+            raise OptionError(
+                f"reference is {option!r}, it must be a Reference, a Move, "
+                'a function of a random generator, "random" or None'
+            )
+
+    @property
+    def fixed(self) -> Plan | None:
+        """The plan of all episodes, if it is the same for all."""
+        return self._fixed
+
+    def plan(self, reference: Reference | Move) -> Plan:
+        """The plan for a given reference."""
+        return make_plan(self.rig, as_reference(reference), self.period, self.hold)
+
+    def draw(self, generator: np.random.Generator) -> Plan:
+        """The plan of one episode."""
+        if self._fixed is not None:
+            return self._fixed
+        assert self._sampler is not None
+        return self.plan(self._sampler(generator))

@@ -1,0 +1,195 @@
+"""Between controller and plant: encoders that count, inputs that come late, plans read by row."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..models.errors import OptionError
+from .disturbances import LONGEST_DELAY, Scenario
+from .plan import Layout, Plan
+from .plant import Ids, Plant
+
+Array = NDArray[np.float64]
+Steps = NDArray[np.int64]
+
+MEMORY = 1.0
+"""Time constant of the running average of the tracking error [s]."""
+
+
+class Encoders:
+    """What a controller knows of n plants: drive positions and rates, errors, their average.
+
+    An encoder with a resolution reads the nearest multiple of it, and its rate is the difference
+    of two readings over the control period.
+
+    Attributes
+    ----------
+    measured, errors
+        Positions, then rates: what is measured, and what is missing to the plan, (n, 2 drives).
+    average
+        Running average of the position errors, (n, drives).
+    """
+
+    def __init__(self, plant: Plant, period: float) -> None:
+        self._plant, self._period = plant, period
+        self._drives = drives = plant.drive_positions.shape[1]
+        self._share = np.full((plant.num, drives), 1.0 - np.exp(-period / MEMORY))
+        self._resolution = np.zeros((plant.num, 1))
+        self._counting = False
+        self._counted = np.zeros((plant.num, 2 * drives))
+        self.measured = plant.encoders
+        self.errors = np.zeros((plant.num, 2 * drives))
+        self.average = np.zeros((plant.num, drives))
+        self._step = np.zeros((plant.num, drives))
+        self._position_errors = self.errors[:, :drives]
+
+    @property
+    def positions(self) -> Array:
+        """Measured drive positions, (n, drives) [m, rad]."""
+        return self.measured[:, : self._drives]
+
+    @property
+    def rates(self) -> Array:
+        """Measured drive rates, (n, drives) [m/s, rad/s]."""
+        return self.measured[:, self._drives :]
+
+    @property
+    def memory(self) -> tuple[Array, ...]:
+        """What a simulation that rests must keep."""
+        return self.errors, self.average, self._counted
+
+    def reset(self, ids: Ids, scenarios: Sequence[Scenario], planned: Array) -> None:
+        """Read plants that were put at rest; `planned` are all plants' (n, 2 drives)."""
+        self._resolution[ids, 0] = [scenario.encoder_resolution for scenario in scenarios]
+        if self._resolution.any() and not self._counting:
+            self._counting, self.measured = True, self._counted
+            self._counted[...] = self._plant.encoders
+        self._counted[ids] = np.hstack((self._rounded(), self._plant.drive_rates))[ids]
+        self.errors[ids] = planned[ids] - self.measured[ids]
+        self.average[ids] = 0.0
+
+    def step(self, planned: Array) -> None:
+        """Read the plants after a step."""
+        if self._counting:
+            self._count()
+        np.subtract(planned, self.measured, self.errors)
+        np.subtract(self._position_errors, self.average, self._step)
+        np.multiply(self._step, self._share, self._step)
+        np.add(self.average, self._step, self.average)
+
+    def _count(self) -> None:
+        now = self._rounded()
+        counted = (now - self.positions) / self._period
+        self.rates[...] = np.where(self._resolution > 0, counted, self._plant.drive_rates)
+        self.positions[...] = now
+
+    def _rounded(self) -> Array:
+        """Positions rounded to each encoder's resolution."""
+        true = self._plant.drive_positions
+        grain = np.where(self._resolution > 0, self._resolution, 1.0)
+        return np.where(self._resolution > 0, np.round(true / grain) * grain, true)
+
+
+class Commands:
+    """What controllers ask of the drives of n plants: clipped, and handed on after a delay.
+
+    Attributes
+    ----------
+    last
+        Commands of the last step, inputs over the drives' limits, (n, drives).
+    change
+        By how much they differ from those of the step before, (n, drives).
+    """
+
+    def __init__(self, change: Array) -> None:
+        num, drives = change.shape
+        self.last, self.change = np.zeros((num, drives)), change
+        self._clipped = np.zeros((num, drives))
+        # NumPy is fastest where all operands have the same shape: constants are repeated.
+        self._highest = np.ones((num, drives))
+        self._lowest = -self._highest
+        self._periods = np.zeros(num, dtype=np.int64)
+        self._sent = np.zeros((LONGEST_DELAY + 1, num, drives))
+        self._every = np.arange(num)
+        self._late = False
+
+    def reset(self, ids: Ids, scenarios: Sequence[Scenario], commands: Array) -> None:
+        """Start anew: until the first command arrives, `commands` (len(ids), drives) act."""
+        self.last[ids], self.change[ids] = commands, 0.0
+        self._periods[ids] = [scenario.delay for scenario in scenarios]
+        self._sent[:, ids] = commands
+        self._late = bool(self._periods.any())
+
+    def send(self, actions: Array, step: Steps) -> Array:
+        """Take the actions of a step, return the commands that act in it, each (n, drives).
+
+        Raises
+        ------
+        OptionError
+            An action is not a number.
+        """
+        clipped = self._clipped
+        np.maximum(actions, self._lowest, out=clipped)
+        np.minimum(clipped, self._highest, out=clipped)
+        lowest = clipped.argmin()  # the first that is not a number, if there is one
+        if not clipped.item(lowest) >= -1.0:
+            raise OptionError("an action is not a number, actions must be finite")
+        np.subtract(clipped, self.last, self.change)
+        self.last[...] = clipped
+        if not self._late:
+            return clipped
+        size = len(self._sent)
+        self._sent[step % size, self._every] = clipped
+        return np.asarray(self._sent[(step - self._periods) % size, self._every])
+
+
+class Rows:
+    """The rows of n simulations' plans at their present steps.
+
+    Plans lie one after another in one table, shared if all episodes have the same one, so that a
+    step of any number of simulations is one lookup.
+    """
+
+    def __init__(self, layout: Layout, num: int, shared: Plan | None) -> None:
+        self._shared = shared
+        self._room = 0 if shared is None else len(shared.rows)
+        self._first = np.zeros(num, dtype=np.int64)
+        self._index = np.zeros(num, dtype=np.int64)
+        self._table = np.zeros((0, layout.width)) if shared is None else shared.rows
+        self._row = np.zeros((num, layout.width))
+        self.length = np.full(num, 0 if shared is None else shared.steps)
+        self.goal = np.zeros((num, layout.drives))
+        self.goal_inputs = np.zeros((num, layout.drives))
+        columns = layout.columns
+        self.parts = {name: self._row[:, part] for name, part in columns.items()}
+        self.ahead = self._row[:, columns["preview"].start : columns["left"].stop]
+
+    def follow(self, ids: Ids, plans: Sequence[Plan]) -> None:
+        """Give simulations their plans."""
+        if any(plan is not self._shared for plan in plans):
+            self._store(ids, plans)
+        for sim, plan in zip(ids.tolist(), plans, strict=True):
+            self.length[sim] = plan.steps
+            self.goal[sim], self.goal_inputs[sim] = plan.goal, plan.goal_inputs
+
+    def look(self, step: Steps) -> None:
+        """Bring `parts` up to date."""
+        np.add(self._first, step, self._index)
+        self._table.take(self._index, 0, self._row, "clip")
+
+    def _store(self, ids: Ids, plans: Sequence[Plan]) -> None:
+        """Write plans into slots of their simulations' own."""
+        room = max(self._room, *(len(plan.rows) for plan in plans))
+        num = len(self._first)
+        if self._shared is not None or room > self._room:
+            table = np.zeros((num, room, self._table.shape[1]))
+            for sim, first in enumerate(self._first.tolist()):
+                old = self._table[first : first + self.length[sim] + 1]
+                table[sim, : len(old)] = old
+            self._first = room * np.arange(num)
+            self._table = table.reshape(num * room, -1)
+            self._room, self._shared = room, None
+        for sim, plan in zip(ids.tolist(), plans, strict=True):
+            first = self._first[sim]
+            self._table[first : first + len(plan.rows)] = plan.rows

@@ -1,0 +1,97 @@
+"""One crane with Gymnasium's `Env` interface: a batch of one."""
+
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .options import check_options
+from .rendering import MODES, Camera, check_mode
+from .spaces import action_space, observation_space
+from .task import CraneTask
+
+Array = NDArray[np.float64]
+
+OPTIONS = ("scenario", "reference")
+
+
+METADATA = {"render_modes": list(MODES), "render_fps": 50}
+
+
+class CraneEnv(gym.Env[Any, Any]):
+    """A crane that is to follow a reference; see `flatrig.envs.task` for the parameters.
+
+    `reset(options={"scenario": Scenario(...), "reference": ...})` prescribes what would be drawn.
+    `info` tells the truth: "load", "reference", "tension", "input", "reward_terms", and in
+    "reason" why the episode is over.
+    """
+
+    metadata = METADATA
+
+    def __init__(self, rig: Any, *, render_mode: str | None = None, **options: Any) -> None:
+        self.task = CraneTask(rig, num=1, **options)
+        self.observation_space = observation_space(self.task)
+        self.action_space = action_space(self.task)
+        self.render_mode = check_mode(render_mode)
+        self.metadata = {**self.metadata, "render_fps": round(1.0 / self.task.period)}
+        self._camera: Camera | None = None
+
+    @property
+    def observation_names(self) -> tuple[str, ...]:
+        """Names of the entries of an observation."""
+        return self.task.observation_names
+
+    @property
+    def action_names(self) -> tuple[str, ...]:
+        """Names of the entries of an action."""
+        return self.task.action_names
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
+        """Begin an episode; see the class for `options`."""
+        super().reset(seed=seed)
+        options = check_options(options, OPTIONS)
+        task = self.task
+        task.reset(
+            task.all, [self.np_random], [options.get("scenario")], [options.get("reference")]
+        )
+        if self.render_mode == "human":
+            self.render()
+        info = self._info("")
+        info["scenario"] = task.scenarios[0]
+        return task.observation()[0], info
+
+    def step(self, action: ArrayLike) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+        """Hold inputs, `action` times their limits, over one control period."""
+        outcome = self.task.step(np.asarray(action, dtype=float)[None])
+        if self.render_mode == "human":
+            self.render()
+        return (
+            self.task.observation()[0],
+            float(outcome.reward[0]),
+            bool(outcome.terminated[0]),
+            bool(outcome.truncated[0]),
+            self._info(outcome.reasons[0]),
+        )
+
+    def render(self) -> Any:
+        """A picture (height, width, 3) of bytes, or a frame in the viewer's window."""
+        if self.render_mode is None:
+            return None
+        if self._camera is None:
+            self._camera = Camera(self.task.rig, self.render_mode)
+        return self._camera.show(self.task.plant.qpos[0])
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        if self._camera is not None:
+            self._camera.close()
+            self._camera = None
+
+    def _info(self, reason: str) -> dict[str, Any]:
+        """The task's, of its only simulation."""
+        info = self.task.info_of(0)
+        info["reason"] = reason
+        return info

@@ -1,0 +1,133 @@
+"""Many cranes with Gymnasium's `VectorEnv` interface, stepped together in C threads."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import ArrayLike, NDArray
+
+from ..models.errors import OptionError
+from .options import check_options
+from .rendering import MODES, Camera, check_mode
+from .spaces import action_space, observation_space
+from .task import CraneTask
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+OPTIONS = ("scenarios", "references", "reset_mask")
+
+
+METADATA = {
+    "render_modes": list(MODES),
+    "render_fps": 50,
+    "autoreset_mode": AutoresetMode.NEXT_STEP,
+}
+
+
+class CraneVectorEnv(VectorEnv[Array, Any, Any]):
+    """n cranes that are to follow references; see `flatrig.envs.task` for the parameters.
+
+    A crane whose episode is over begins the next one in the following step, which ignores its
+    action and rewards it with 0 (autoreset mode NEXT_STEP).  Seeded with `seed`, crane i is the
+    single environment seeded with seed + i, to the last bit.
+
+    `reset(options={"scenarios": [...], "references": [...]})` prescribes, crane by crane, what
+    would be drawn; "reset_mask" (n,) resets only some.
+    """
+
+    metadata = METADATA
+
+    def __init__(
+        self, rig: Any, *, num_envs: int = 1, render_mode: str | None = None, **options: Any
+    ) -> None:
+        self.task = CraneTask(rig, num=num_envs, **options)
+        self.num_envs = num_envs
+        self.render_mode = check_mode(render_mode)
+        self.metadata = {**self.metadata, "render_fps": round(1.0 / self.task.period)}
+        self.single_observation_space = observation_space(self.task)
+        self.single_action_space = action_space(self.task)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._generators = [seeding.np_random()[0] for _ in range(num_envs)]
+        self._over: Mask = np.zeros(num_envs, dtype=bool)
+        self._camera: Camera | None = None
+
+    @property
+    def observation_names(self) -> tuple[str, ...]:
+        """Names of the entries of an observation."""
+        return self.task.observation_names
+
+    @property
+    def action_names(self) -> tuple[str, ...]:
+        """Names of the entries of an action."""
+        return self.task.action_names
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[Array, dict[str, Any]]:
+        """Begin episodes; a number as `seed` means seed, seed + 1, ..."""
+        options = check_options(options, OPTIONS)
+        chosen = options.get("reset_mask", np.ones(self.num_envs, dtype=bool))
+        ids = np.flatnonzero(chosen).astype(np.int32)
+        self._seed(seed, ids)
+        self._begin(ids, options)
+        info = self.task.info()
+        info["reason"] = np.full(self.num_envs, "", dtype=object)
+        info["scenario"] = list(self.task.scenarios)
+        return self.task.observation(), info
+
+    def step(self, actions: ArrayLike) -> tuple[Array, Array, Mask, Mask, dict[str, Any]]:
+        """Hold inputs, `actions` (n, drives) times their limits, over one control period."""
+        task = self.task
+        ids = None
+        if self._over.any():
+            ids = np.flatnonzero(~self._over).astype(np.int32)
+        outcome = task.step(actions, ids)
+        if ids is not None:
+            self._begin(np.flatnonzero(self._over).astype(np.int32), {})
+        self._over = outcome.terminated | outcome.truncated
+        info = task.info()
+        info["reason"] = np.array(outcome.reasons, dtype=object)
+        return task.observation(), outcome.reward, outcome.terminated, outcome.truncated, info
+
+    def render(self) -> Any:
+        """A tuple with a picture (height, width, 3) of bytes for each crane."""
+        if self.render_mode is None:
+            return None
+        if self._camera is None:
+            self._camera = Camera(self.task.rig, self.render_mode)
+        return tuple(self._camera.show(joints) for joints in self.task.plant.qpos)
+
+    def close_extras(self, **options: Any) -> None:
+        """Close the window, if there is one."""
+        if self._camera is not None:
+            self._camera.close()
+            self._camera = None
+
+    def _seed(self, seed: int | Sequence[int | None] | None, ids: NDArray[np.int32]) -> None:
+        if seed is None:
+            return
+        seeds = [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else list(seed)
+        if len(seeds) != self.num_envs:
+            raise OptionError(f"there are {len(seeds)} seeds for {self.num_envs} environments")
+        for sim in ids.tolist():
+            if seeds[sim] is not None:
+                self._generators[sim] = seeding.np_random(seeds[sim])[0]
+
+    def _begin(self, ids: NDArray[np.int32], options: dict[str, Any]) -> None:
+        """Reset some cranes."""
+        prescribed = []
+        for name in ("scenarios", "references"):
+            values = options.get(name) or [None] * self.num_envs
+            if len(values) != self.num_envs:
+                raise OptionError(f"there are {len(values)} {name} for {self.num_envs} cranes")
+            prescribed.append([values[sim] for sim in ids.tolist()])
+        self.task.reset(ids, [self._generators[sim] for sim in ids.tolist()], *prescribed)
+        self._over[ids] = False
