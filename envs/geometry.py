@@ -62,7 +62,7 @@ class Geometry:
     reasons: tuple[str, ...]
     """For each clearance, why an episode ends when it is not > 0."""
     spans: Array
-    """Rows (3, spans, nq + 1): x, y and z of every span of all ropes."""
+    """Rows (spans, 3, nq + 1): x, y and z of every span of all ropes."""
     rope_of_span: tuple[int, ...]
     """Index of the rope that each span belongs to."""
     affine: bool
@@ -108,16 +108,16 @@ def geometry_of(rig: Rig, model: object, home: Array) -> Geometry:
     for departure in np.vstack((-home, np.eye(size) - home)).T:
         values += [reach + departure, reach - departure]
         reasons += [OUT_OF_REACH] * 2
-    clearances = _affine(np.array(values)[..., None])[0]
+    clearances = _affine(np.array(values)[..., None])[:, 0]
     affine = _holds(rig, vectors, owners)
     return Geometry(rig, clearances, tuple(reasons), vectors, tuple(owners), affine, scales)
 
 
 def _affine(probed: Array) -> Array:
-    """Rows (components, quantities, nq + 1) from values (quantities, 1 + nq, components)."""
+    """Rows (quantities, components, nq + 1) from values (quantities, 1 + nq, components)."""
     constant = probed[:, :1]
     rows = np.concatenate((probed[:, 1:] - constant, constant), axis=1)
-    return np.ascontiguousarray(np.moveaxis(rows, -1, 0))
+    return rows.swapaxes(1, 2)
 
 
 def _turning(rig: Rig) -> list[int]:
@@ -134,7 +134,7 @@ def _holds(rig: Rig, vectors: Array, owners: list[int]) -> bool:
     """Whether the spans have the right lengths at random joints too."""
     joints = np.random.default_rng(0).normal(size=(8, vectors.shape[-1] - 1))
     ones = np.hstack((joints, np.ones((8, 1))))
-    mine = np.linalg.norm(ones @ np.moveaxis(vectors, -1, -2), axis=0)
+    mine = np.linalg.norm(vectors @ ones.T, axis=1).T
     truth = spans(rig, points(rig, joints, np.zeros_like(joints)))
     stacked = np.concatenate([truth[rope.name][0] for rope in rig.ropes], axis=-1)
     return bool(np.allclose(mine, stacked, 1e-9, 1e-9))

@@ -55,21 +55,20 @@ class Observation:
         widths = [2 * drives, 2 * drives, drives, drives, drives * len(AHEAD) + 1]
         widths += [outputs, outputs, len(rig.ropes)] if full else []
         ends = np.cumsum(widths).tolist()
-        self._parts = [
-            self._raw[:, end - width : end] for width, end in zip(widths, ends, strict=True)
-        ]
+        parts = [self._raw[:, end - width : end] for width, end in zip(widths, ends, strict=True)]
+        self._measured, self._errors, self._mean, self._last, self._ahead = parts[:5]
+        self._extra = parts[5:]
 
     def read(self, command: Array) -> Array:
         """Observations (n, entries), a new array."""
-        encoders, planned = self._encoders, self._rows.parts
-        measured, errors, mean, last, ahead, *more = self._parts
-        np.subtract(encoders.measured, self._home, measured)
-        errors[...] = encoders.errors
-        mean[...] = encoders.average
-        last[...] = command
-        ahead[...] = self._rows.ahead
+        encoders = self._encoders
+        np.subtract(encoders.measured, self._home, self._measured)
+        self._errors[...] = encoders.errors
+        self._mean[...] = encoders.average
+        self._last[...] = command
+        self._ahead[...] = self._rows.ahead
         if self._full:
-            output, output_rate, tension = more
+            planned, (output, output_rate, tension) = self._rows.parts, self._extra
             np.subtract(planned["outputs"], self._plant.outputs, output)
             np.subtract(planned["output_rates"], self._plant.output_rates, output_rate)
             tension[...] = self._plant.tensions

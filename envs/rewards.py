@@ -28,24 +28,23 @@ class Reward:
     def __init__(self, num: int, outputs: int, drives: int, scales: Scales) -> None:
         self.terms = np.ones((num, len(NAMES)))
         self._tracking, self._smoothness = self.terms.T
-        self._parts = np.zeros((num, outputs + drives))
-        self._distance, self.change = self._parts[:, :outputs], self._parts[:, outputs:]
-        self._squares = np.zeros_like(self._parts)
-        self._first = np.array([0, outputs])
         self._one = np.ones_like(self.terms)
-        near = NEAR * scales.length
-        self._factors = np.tile([near**-2] * outputs + [JERKY**-2] * drives, (num, 1))
+        self._vectors = np.zeros((num, len(NAMES), max(outputs, drives)))  # padded with zeros
+        self._distance = self._vectors[:, 0, :outputs]
+        self.change = self._vectors[:, 1, :drives]
+        self._scaled = np.zeros_like(self._vectors)
+        self._per_unit = np.ones_like(self._vectors)
+        self._per_unit[:, 0], self._per_unit[:, 1] = 1.0 / (NEAR * scales.length), 1.0 / JERKY
 
     def of(self, outputs: Array, reference: Array) -> Array:
         """Rewards (n,), a new array, for outputs and the `change` of the command written before.
 
         The terms stay readable.
         """
-        terms = self.terms
+        terms, scaled = self.terms, self._scaled
         np.subtract(outputs, reference, self._distance)
-        np.multiply(self._parts, self._parts, self._squares)
-        np.multiply(self._squares, self._factors, self._squares)
-        np.add.reduceat(self._squares, self._first, 1, None, terms)
+        np.multiply(self._vectors, self._per_unit, scaled)
+        np.vecdot(scaled, scaled, terms)
         np.add(terms, self._one, terms)
         np.reciprocal(terms, terms)
         return np.asarray(self._tracking * self._smoothness)

@@ -25,7 +25,7 @@ class RopeForces:
     """Writes the tensions of n simulations into `out`, shape (n, ropes).
 
     `spans` are the live vectors between neighbouring points with their first and second
-    derivatives: shape (n, 3 orders, 3 spans), all x, then all y, then all z.
+    derivatives: shape (n, 3 orders, 3 spans), x, y and z of one span after the other.
     """
 
     def __init__(
@@ -54,12 +54,15 @@ class RopeForces:
         self._inertia = np.tile([rope.inertia_along for rope in rig.ropes], (num, 1))
         self._first = np.flatnonzero(np.diff(owners, prepend=-1))
         self._straight = len(owners) == len(rig.ropes)
-        # d.d'' + d'.d' is a sum of six products.
-        self._until_rate, self._from_rate = spans[:, :2], spans[:, 2:0:-1]
-        self._distance = spans[:, :1]
-        self._products = np.zeros(self._until_rate.shape)
-        self._terms = self._products.reshape(num, 6, len(owners))
-        self._second, self._square, self._pull = (np.zeros(out.shape) for _ in range(3))
+        # d.d'' + d'.d' - L'^2 is the inner product of (d, d', L') and (d'', d', -L').
+        by_span = spans.reshape(num, 3, len(owners), 3).swapaxes(1, 2)
+        self._motion, self._reverse = by_span[:, :, :2], by_span[:, :, 2:0:-1]
+        self._left, self._right = (np.zeros((num, len(owners), 7)) for _ in range(2))
+        self._left_motion, self._right_motion = (
+            side[..., :6].reshape(num, len(owners), 2, 3) for side in (self._left, self._right)
+        )
+        self._left_rate, self._right_rate = self._left[..., 6], self._right[..., 6]
+        self._second, self._pull = (np.zeros(out.shape) for _ in range(2))
 
     def read(self, friction: Array | None) -> None:
         """Bring the tensions up to date; `friction` is the force on each rope, (n, ropes)."""
@@ -68,7 +71,8 @@ class RopeForces:
             state = (self._qpos, self._qvel, self._qacc, self._ctrl)
             out[...] = tensions(self._rig, *state, 0.0 if friction is None else friction)
             return
-        np.multiply(self._until_rate, self._from_rate, self._products)
+        self._left_motion[...] = self._motion
+        self._right_motion[...] = self._reverse
         second = self._of_straight() if self._straight else self._of_bent()
         np.multiply(second, self._inertia, second)
         np.multiply(self._ctrl[:, self._wound], self._gears, self._pull)
@@ -78,22 +82,19 @@ class RopeForces:
 
     def _of_straight(self) -> Array:
         """L'' = (d.d'' + d'.d' - L'^2) / L of ropes with a single span d, L from MuJoCo."""
-        second, square = self._second, self._square
-        np.add.reduce(self._terms, 1, out=second)
-        np.multiply(self._rates, self._rates, square)
-        np.subtract(second, square, second)
-        np.divide(second, self._lengths, second)
-        return second
+        self._left_rate[...] = self._rates
+        np.negative(self._rates, self._right_rate)
+        np.vecdot(self._left, self._right, self._second)
+        np.divide(self._second, self._lengths, self._second)
+        return self._second
 
     def _of_bent(self) -> Array:
         """The same, summed over the spans of each rope."""
-        second: Array = np.add.reduce(self._terms, 1)
-        np.multiply(self._distance, self._until_rate, self._products)
-        pairs = self._products.reshape(len(second), 2, 3, -1)
-        pairs = np.add.reduce(pairs, 2)  # d.d, d.d'
-        squares = pairs[:, 0]
-        second -= pairs[:, 1] ** 2 / squares
-        second /= np.sqrt(squares)
+        distance, rate = self._left[..., :3], self._left[..., 3:6]
+        square = np.vecdot(distance, distance)
+        second: Array = np.vecdot(self._left, self._right)
+        second -= np.vecdot(distance, rate) ** 2 / square
+        second /= np.sqrt(square)
         np.add.reduceat(second, self._first, 1, out=self._second)
         return self._second
 
