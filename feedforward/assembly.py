@@ -182,7 +182,7 @@ class _Builder:
             )
         self.add_inertia(rope.inertia_along, self.row(rope.coordinate))
         for sheave in rope.sheaves:
-            beyond = lengths[rope.path.index(sheave.at) :].sum(axis=0)
+            beyond = lengths[rope.after(sheave) :].sum(axis=0)
             self.add_inertia(sheave.inertia / sheave.radius**2, beyond)
         return lengths
 

@@ -4,7 +4,7 @@ import math
 import operator
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ..models.errors import PathError
 
@@ -12,6 +12,12 @@ FloatArray = NDArray[np.float64]
 
 SHORTEST, LONGEST = 1e-6, 1e9
 """Durations [s] whose powers, by which derivatives are divided, stay far from overflow."""
+
+LARGEST = 1e12
+"""Magnitude of a coordinate ([m], [rad]) beyond which nothing is known to a millimetre."""
+
+HIGHEST_DERIVATIVE = 30
+"""That may be asked of a path, far more than any rig needs; its factors still do not overflow."""
 
 
 def check_order(name: str, order: object, *, lowest: int = 0, highest: int | None = None) -> int:
@@ -30,21 +36,31 @@ def check_order(name: str, order: object, *, lowest: int = 0, highest: int | Non
     return number
 
 
+def check_derivative(order: object) -> int:
+    """The order of the highest derivative wanted from a path.
+
+    Raises:
+        PathError: it is not a whole number from 0 to 30.
+    """
+    return check_order("order of the derivatives", order, highest=HIGHEST_DERIVATIVE)
+
+
 def check_duration(duration: object, name: str = "duration") -> float:
     """A time that something takes, in s.
 
     Raises:
         PathError: it is not a number > 0, or absurdly small or large.
     """
-    number = _number(duration)
+    number = as_number(duration)
     if not SHORTEST <= number <= LONGEST:
-        given = f"{number:g} s" if _is_number(duration) else repr(duration)
+        strange = math.isnan(number) and not isinstance(duration, float)
+        given = repr(duration) if strange else f"{number:g} s"
         raise PathError(f"{name} is {given}, it must be > 0 ({SHORTEST:g} s to {LONGEST:g} s)")
     return number
 
 
 def check_point(name: str, point: object) -> tuple[float, ...]:
-    """A point of the path, one finite coordinate or more.
+    """A point of the path, one finite coordinate or more, none absurdly large.
 
     Raises:
         PathError: it is something else.
@@ -56,10 +72,12 @@ def check_point(name: str, point: object) -> tuple[float, ...]:
     if array.ndim != 1 or array.size == 0 or not np.isfinite(array).all():
         given = point.tolist() if isinstance(point, np.ndarray) else point
         raise PathError(f"{name} is {given!r}, it must be one finite number for each output")
+    if np.abs(array).max() > LARGEST:
+        raise PathError(f"{name} is {tuple(array.tolist())}, it must be within +-{LARGEST:g}")
     return tuple(array.tolist())
 
 
-def check_times(times: ArrayLike) -> FloatArray:
+def check_times(times: object) -> FloatArray:
     """Times as an array of shape (N,).
 
     Raises:
@@ -77,9 +95,11 @@ def check_times(times: ArrayLike) -> FloatArray:
     return array
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
-
-
-def _number(value: object) -> float:
-    return float(value) if _is_number(value) else math.nan  # type: ignore[arg-type]
+def as_number(value: object) -> float:
+    """A real number as a float; NaN for anything else, truth values and numerals included."""
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        return math.nan
+    try:
+        return float(value)
+    except OverflowError:  # an integer of hundreds of digits
+        return math.inf if value > 0 else -math.inf

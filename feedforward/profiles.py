@@ -26,13 +26,16 @@ from typing import Protocol
 import numpy as np
 
 from ..models.errors import PathError
-from .checks import FloatArray, check_order
+from .checks import FloatArray, as_number, check_order
 
 ALWAYS_SMOOTH = 10**6
 """Order of a path that never moves: more derivatives than any rig needs."""
 
 HIGHEST_ORDER = 100
 """Of a polynomial: its coefficients are still far from overflow."""
+
+SHORTEST_BLEND = 1e-6
+"""Of the duration: powers of its inverse stay far from overflow, too."""
 
 
 class Profile(Protocol):
@@ -128,7 +131,7 @@ class ThreePhase:
     then (s - blend/2) / (1 - blend), then 1 - c(1-s).
 
     Raises:
-        PathError: the blend is not in 0 < blend <= 1/2, or the order not in 1 .. 100.
+        PathError: the blend is not in 1e-6 .. 1/2, or the order not in 1 .. 100.
     """
 
     blend: float
@@ -137,8 +140,11 @@ class ThreePhase:
 
     def __post_init__(self) -> None:
         check_order("order", self.order, lowest=1, highest=HIGHEST_ORDER)
-        if not 0 < self.blend <= 0.5:
-            raise PathError(f"blend is {self.blend} of the duration, it must be > 0 and <= 0.5")
+        if not SHORTEST_BLEND <= as_number(self.blend) <= 0.5:
+            raise PathError(
+                f"blend is {self.blend!r} of the duration, it must be > 0 and <= 0.5 "
+                f"(from {SHORTEST_BLEND:g})"
+            )
 
     @property
     def coefficients(self) -> tuple[Fraction, ...]:

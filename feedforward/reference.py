@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..models.errors import PathError
-from .checks import FloatArray, check_duration, check_order, check_point, check_times
-from .profiles import AtRest, Profile, RestToRest, ThreePhase
+from .checks import FloatArray, check_derivative, check_duration, check_point, check_times
+from .profiles import SHORTEST_BLEND, AtRest, Profile, RestToRest, ThreePhase
 from .sampled import from_csv
 
 if TYPE_CHECKING:
@@ -58,13 +58,13 @@ class Reference(Protocol):
 
         Args:
             times: shape (N,) [s], in any order.
-            order: highest derivative, 0 for values only.
+            order: highest derivative, 0 for values only; the paths made here have up to 30.
 
         Returns:
             Shape (order+1, N, size).
 
         Raises:
-            PathError: a time is NaN, or the order is negative.
+            PathError: a time is NaN, or the order is out of range.
         """
 
     def __call__(self, times: ArrayLike) -> FloatArray:
@@ -79,8 +79,8 @@ class StraightPath:
     """A straight line from `begin` to `end`, covered as a scalar profile says.
 
     Raises:
-        PathError: a coordinate or the duration is not a finite number, the duration is not
-            positive, or the two ends differ in length.
+        PathError: a coordinate is not a finite number or beyond 1e12, the duration is not from
+            1e-6 s to 1e9 s, or the two ends differ in length.
     """
 
     begin: tuple[float, ...]
@@ -121,9 +121,11 @@ class StraightPath:
 
     def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
         """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size)."""
-        order = check_order("order of the derivatives", order)
+        order = check_derivative(order)
         times = check_times(times)
-        scalar = self.profile.derivatives(times / self.duration, order)
+        with np.errstate(over="ignore"):  # of a time at the end of the world, which is outside
+            fractions = times / self.duration
+        scalar = self.profile.derivatives(fractions, order)
         for k in range(1, order + 1):
             scalar[k] /= self.duration**k
         result = np.empty((*scalar.shape, self.size))
@@ -154,8 +156,7 @@ def rest_to_rest(
         order: number of derivatives that vanish at both ends; 4 is Y 4.87, 6 is K 3.57.
 
     Raises:
-        PathError: something is not finite, the duration is not positive, start and goal differ in
-            length, or the order is not a whole number from 0 to 100.
+        PathError: see `StraightPath`, or the order is not a whole number from 0 to 100.
     """
     return StraightPath(
         check_point("start", start), check_point("goal", goal), duration, RestToRest(order)
@@ -176,7 +177,7 @@ def three_phase(
         goal: where it ends, shape (size,).
         duration: tau [s], > 0.
         blend: tau0, how long the speed takes to build up and to die down [s],
-            > 0 and at most half of the duration.
+            from a millionth of the duration to half of it.
         order: number of continuous derivatives, from 1 (trapezoidal speed) to 100; 4 is Y's.
 
     Raises:
@@ -187,6 +188,11 @@ def three_phase(
     if fraction > 0.5:
         raise PathError(
             f"blend is {blend:g} s, it must be at most half of the duration {duration:g} s"
+        )
+    if fraction < SHORTEST_BLEND:
+        raise PathError(
+            f"blend is {blend:g} s, it must be at least {SHORTEST_BLEND:g} of the "
+            f"duration {duration:g} s"
         )
     return StraightPath(
         check_point("start", start),

@@ -29,7 +29,15 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline
 
 from ..models.errors import PathError
-from .checks import FloatArray, check_duration, check_order, check_times
+from .checks import (
+    LARGEST,
+    FloatArray,
+    as_number,
+    check_derivative,
+    check_duration,
+    check_order,
+    check_times,
+)
 from .splines import fit
 
 HIGHEST_ORDER = 10
@@ -41,9 +49,9 @@ class SampledPath:
     """A smooth path from rest to rest along points, see the module's text.
 
     Raises:
-        PathError: there are fewer than two points, something is not finite, times do not increase,
-            the points' lengths differ, order or tolerance is out of range, or a hundred points and
-            more scatter by more than the tolerance.
+        PathError: there are fewer than two points, something is not finite or beyond 1e12, times
+            do not increase, the points' lengths differ, order or tolerance is out of range, or a
+            hundred points and more scatter by more than the tolerance.
     """
 
     times: tuple[float, ...]
@@ -57,10 +65,9 @@ class SampledPath:
 
     def __post_init__(self) -> None:
         check_order("order", self.order, highest=HIGHEST_ORDER)
-        times, points = np.array(self.times), np.array(self.points)
-        _check_table(times, points, lambda index: f"point {index}")
+        _check_table(*_table(self.times, self.points), lambda index: f"point {index}")
         check_duration(self.duration)
-        if not 0 <= self.tolerance < math.inf:
+        if not 0 <= as_number(self.tolerance) < math.inf:
             raise PathError(f"tolerance is {self.tolerance!r}, it must be finite and >= 0")
         _ = self._spline
 
@@ -125,12 +132,12 @@ class SampledPath:
 
     def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
         """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size)."""
-        order = check_order("order of the derivatives", order)
+        order = check_derivative(order)
         times = check_times(times)
-        result = np.empty((order + 1, len(times), self.size))
+        result = np.zeros((order + 1, len(times), self.size))
         outside = (times < 0) | (times > self.duration)
         spline_times = self._spline_times(np.clip(times, 0.0, self.duration))
-        for k in range(order + 1):
+        for k in range(min(order, self._spline.k) + 1):
             result[k] = self._spline(spline_times, nu=k) / self._scale**k
             if k > 0:
                 result[k, outside] = 0.0
@@ -160,16 +167,7 @@ def sampled(
     Raises:
         PathError: see `SampledPath`.
     """
-    row = check_times(times)
-    try:
-        table = np.asarray(points, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise PathError("points must be numbers, of shape (N, size)") from None
-    if table.ndim != 2 or table.shape[0] != len(row) or table.shape[1] == 0:
-        raise PathError(
-            f"points have shape {table.shape}, for {len(row)} times they need shape "
-            f"({len(row)}, number of outputs)"
-        )
+    row, table = _table(times, points)
     return SampledPath(tuple(row.tolist()), tuple(map(tuple, table.tolist())), order, tolerance)
 
 
@@ -248,13 +246,33 @@ def _parse(cell: str) -> float | None:
         return None
 
 
+def _table(times: object, points: object) -> tuple[FloatArray, FloatArray]:
+    """Times (N,) and points (N, size) as arrays of these shapes."""
+    row = check_times(times)
+    try:
+        table = np.asarray(points, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise PathError("points must be numbers, of shape (N, size)") from None
+    if table.ndim != 2 or table.shape[0] != len(row) or table.shape[1] == 0:
+        raise PathError(
+            f"points have shape {table.shape}, for {len(row)} times they need shape "
+            f"({len(row)}, number of outputs)"
+        )
+    return row, table
+
+
 def _check_table(times: FloatArray, points: FloatArray, label: Callable[[int], str]) -> None:
-    """Two rows or more, every number finite, times increasing; `label` names a row."""
+    """Two rows or more, no number infinite or absurdly large, times increasing.
+
+    `label` names a row.
+    """
     if len(times) < 2:
         raise PathError(f"the path has {len(times)} point(s), it needs 2 or more")
-    for index, column in np.argwhere(~np.isfinite(np.column_stack([times, points])))[:1]:
-        value = times[index] if column == 0 else points[index, column - 1]
-        raise PathError(f"{label(index)}, column {column + 1} is {value}, it must be finite")
+    table = np.column_stack([times, points])
+    for index, column in np.argwhere(~(np.abs(table) <= LARGEST))[:1]:
+        value = table[index, column]
+        rule = f"within +-{LARGEST:g}" if math.isfinite(value) else "finite"
+        raise PathError(f"{label(index)}, column {column + 1} is {value}, it must be {rule}")
     for index in np.flatnonzero(np.diff(times) <= 0)[:1] + 1:
         raise PathError(
             f"{label(index)}: time {times[index]:g} s follows {times[index - 1]:g} s, "

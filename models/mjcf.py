@@ -132,12 +132,12 @@ def spec(
 def _options(
     scene: mujoco.MjSpec, rig: Rig, timestep: float, integrator: str, friction: bool
 ) -> None:
-    if integrator not in INTEGRATORS:
-        raise ModelError(
-            f"there is no integrator {integrator!r}{did_you_mean(integrator, INTEGRATORS)}"
-        )
-    if not 0 < timestep < np.inf:
-        raise ModelError(f"timestep is {timestep} s, it must be > 0")
+    if not isinstance(integrator, str) or integrator not in INTEGRATORS:
+        known = did_you_mean(str(integrator), INTEGRATORS)
+        raise ModelError(f"there is no integrator {integrator!r}{known}")
+    number = isinstance(timestep, int | float | np.number) and not isinstance(timestep, bool)
+    if not number or not 0 < timestep < np.inf:
+        raise ModelError(f"timestep is {timestep!r} s, it must be a number > 0")
     scene.option.timestep = timestep
     scene.option.integrator = INTEGRATORS[integrator]
     scene.option.gravity = [0, 0, -rig.gravity]
@@ -190,7 +190,7 @@ def _rope(scene: mujoco.MjSpec, rope: Rope) -> None:
     """Its tendon, then one for each sheave with inertia: the path from there to the rope's end."""
     _path(scene, rope.name, rope.path, rope.inertia_along)
     for sheave in rope.sheaves:
-        rest = rope.path[rope.path.index(sheave.at, 1) :]
+        rest = rope.path[rope.after(sheave) :]
         _path(scene, f"{rope.name}.{sheave.at}", rest, sheave.inertia / sheave.radius**2)
 
 

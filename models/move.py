@@ -1,10 +1,10 @@
 """What a rig is asked to do: a rest-to-rest move, as plain data."""
 
-import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Literal
 
-from .errors import PathError
+from .errors import PathError, RigError, did_you_mean
+from .values import number, sequence, word
 
 PROFILES = ("polynomial", "three_phase", "sampled")
 
@@ -21,7 +21,7 @@ class Move:
     """Outputs at the start, in the order of `Rig.outputs`."""
     goal: tuple[float, ...] = ()
     """Outputs at the end."""
-    duration: float = math.nan
+    duration: float = 0.0
     """[s]"""
     profile: Literal["polynomial", "three_phase", "sampled"] = "polynomial"
     """`polynomial`: degree 2 order + 1; `three_phase`: constant speed between two blends;
@@ -34,10 +34,15 @@ class Move:
     """CSV file of a sampled path: time [s], then the outputs."""
 
     def __post_init__(self) -> None:
-        for end in ("start", "goal"):
-            object.__setattr__(self, end, tuple(float(value) for value in getattr(self, end)))
+        try:
+            self._clean()
+        except RigError as error:
+            raise PathError(f"move: {error}") from None
         if self.profile not in PROFILES:
-            raise PathError(f"profile is {self.profile!r}, it must be one of {', '.join(PROFILES)}")
+            known = did_you_mean(self.profile, PROFILES)
+            raise PathError(f"there is no profile {self.profile!r}{known}")
+        if isinstance(self.order, bool) or not isinstance(self.order, int) or self.order < 0:
+            raise PathError(f"move: order is {self.order!r}, it must be a whole number >= 0")
         if self.profile == "sampled":
             if not self.samples:
                 raise PathError("a sampled move needs `samples`, the name of its CSV file")
@@ -47,10 +52,15 @@ class Move:
                 f"start has {len(self.start)} values and goal {len(self.goal)}, "
                 "both need one for each output"
             )
-        for item in fields(self):
-            value = getattr(self, item.name)
-            for number in value if isinstance(value, tuple) else (value,):
-                if isinstance(number, float) and not math.isfinite(number):
-                    raise PathError(f"{item.name} is {value}, it must be finite")
         if not self.duration > 0:
             raise PathError(f"duration is {self.duration:g} s, it must be > 0")
+
+    def _clean(self) -> None:
+        """Make plain numbers and names of the fields."""
+        for end in ("start", "goal"):
+            values = tuple(number(end, value) for value in sequence(end, getattr(self, end)))
+            object.__setattr__(self, end, values)
+        for name in ("duration", "blend"):
+            object.__setattr__(self, name, number(name, getattr(self, name)))
+        for name in ("profile", "samples"):
+            word(name, getattr(self, name))

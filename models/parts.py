@@ -4,14 +4,21 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-Vector = tuple[float, float, float]
+from .values import Vector, clean
 
 WORLD = "world"
 """Name of the frame that does not move."""
 
 
+class _Part:
+    """Checks the type of every field when it is made."""
+
+    def __post_init__(self) -> None:
+        clean(self)
+
+
 @dataclass(frozen=True)
-class Frame:
+class Frame(_Part):
     """A structure that carries rails and anchors, and has one degree of freedom.
 
     `turning`: turns about the vertical axis through the origin; coordinate `NAME.angle` [rad].
@@ -32,7 +39,7 @@ class Frame:
 
 
 @dataclass(frozen=True)
-class Anchor:
+class Anchor(_Part):
     """A point fixed in a frame: where a winch or a deflection pulley is mounted."""
 
     name: str
@@ -42,7 +49,7 @@ class Anchor:
 
 
 @dataclass(frozen=True)
-class Rail:
+class Rail(_Part):
     """A straight rail fixed in a frame, from `start` to `end` along `direction`."""
 
     name: str
@@ -58,7 +65,7 @@ class Rail:
 
 
 @dataclass(frozen=True)
-class Trolley:
+class Trolley(_Part):
     """A point mass on a rail; coordinate `NAME.position` [m] along it."""
 
     name: str
@@ -73,7 +80,7 @@ class Trolley:
 
 
 @dataclass(frozen=True)
-class Load:
+class Load(_Part):
     """A point mass free to move, a load or a free pulley; coordinates `NAME.x`, `.y`, `.z` [m].
 
     A planar rig has no `NAME.y`.
@@ -85,7 +92,7 @@ class Load:
 
 
 @dataclass(frozen=True)
-class Sheave:
+class Sheave(_Part):
     """A pulley with inertia at an inner point of a rope's path."""
 
     at: str
@@ -96,7 +103,7 @@ class Sheave:
 
 
 @dataclass(frozen=True)
-class Rope:
+class Rope(_Part):
     """An inextensible rope from a winch at `path[0]` through points to its end at `path[-1]`.
 
     Coordinates: `NAME.length`, the whole length [m], and for a path of more than two points
@@ -122,9 +129,13 @@ class Rope:
         """What the winch adds to the rope's inertia along its length [kg], J/r^2."""
         return self.winch_inertia / self.drum_radius**2
 
+    def after(self, sheave: Sheave) -> int:
+        """Place in `path` of a sheave's point, which is never the winch."""
+        return self.path.index(sheave.at, 1)
+
 
 @dataclass(frozen=True)
-class Drive:
+class Drive(_Part):
     """An input: a torque on a turning frame or a rope's winch, a force on a slide or trolley."""
 
     name: str

@@ -25,6 +25,9 @@ from .files import replacing
 
 Image = NDArray[np.uint8]
 
+SLOWEST, FASTEST = 0.01, 1e6
+"""Pictures per second: a GIF shows none longer than 655 s, and a million are too many to wait."""
+
 BACKENDS = ("egl", "osmesa")
 """In the order in which they are tried: EGL is several times faster, with or without a GPU."""
 
@@ -73,16 +76,10 @@ def frames(
     ModelError
         Nothing here can draw, or the model has no such camera.
     OptionError
-        A size or rate is not positive, or shapes do not match.
+        A size or rate is out of range, shapes do not match, or the times do not rise.
     """
-    path, clock = np.asarray(qpos, dtype=float), np.asarray(times, dtype=float)
-    if path.ndim != 2 or path.shape != (len(clock), model.nq):
-        raise OptionError(
-            f"qpos has shape {path.shape}, it must be ({len(clock)}, {model.nq}): "
-            "one row for each time"
-        )
-    if not fps > 0:
-        raise OptionError(f"fps is {fps}, it must be > 0")
+    _check_fps(fps)
+    path, clock = _trajectory(model, qpos, times)
     moments = np.arange(clock[0], clock[-1] + 1e-9, 1 / fps)
     data = mujoco.MjData(model)
     with renderer(model, width, height) as drawing:
@@ -145,7 +142,7 @@ def backend() -> str:
     if chosen or sys.platform != "linux":
         return chosen
     for name in BACKENDS:
-        if f"mujoco.{name}" in sys.modules or _works(name):
+        if _imported(name) or _works(name):
             return name
     raise ModelError(
         "cannot draw: neither EGL nor OSMesa works here; install one of them, "
@@ -157,13 +154,15 @@ def save_animation(path: str | Path, images: Iterable[Image], fps: float = 25.0)
     """Write pictures as GIF or, where imageio-ffmpeg is installed, MP4, by the file's ending.
 
     Raises:
-        OptionError: the ending is another one, imageio-ffmpeg is missing, or there is no picture.
+        OptionError: the ending is another one, imageio-ffmpeg is missing, there is no picture, or
+            the rate is out of range.
         OutputError: the file cannot be written.
     """
     path = Path(path)
     writers = {".gif": _write_gif, ".mp4": _write_mp4}
     if path.suffix.lower() not in writers:
         raise OptionError(f"cannot write {path.name}: the ending must be .gif or .mp4")
+    _check_fps(fps)
     with replacing(path) as beside:
         writers[path.suffix.lower()](beside, iter(images), fps)
     return path
@@ -211,6 +210,40 @@ def _write_mp4(path: Path, images: Iterator[Image], fps: float) -> None:
             writer.send(np.ascontiguousarray(image))
     finally:
         writer.close()
+
+
+def _check_fps(fps: float) -> None:
+    if not isinstance(fps, int | float | np.number) or not SLOWEST <= fps <= FASTEST:
+        raise OptionError(
+            f"fps is {fps!r}, it must be > 0 (from {SLOWEST:g} to {FASTEST:g} pictures per second)"
+        )
+
+
+def _trajectory(
+    model: mujoco.MjModel, qpos: ArrayLike, times: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Joint positions (N, nq) and their rising times (N,), one or more."""
+    try:
+        path, clock = np.asarray(qpos, dtype=np.float64), np.asarray(times, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise OptionError("qpos and times must be numbers") from None
+    if clock.ndim != 1 or len(clock) == 0:
+        raise OptionError(f"times have shape {clock.shape}, they need shape (N,) with N >= 1")
+    if path.shape != (len(clock), model.nq):
+        raise OptionError(
+            f"qpos has shape {path.shape}, it must be ({len(clock)}, {model.nq}): "
+            "one row for each time"
+        )
+    if not (np.isfinite(path).all() and np.isfinite(clock).all()):
+        raise OptionError("qpos and times must be finite")
+    if (np.diff(clock) < 0).any():
+        raise OptionError("times must rise")
+    return path, clock
+
+
+def _imported(name: str) -> bool:
+    """Whether this process has a backend's module already."""
+    return f"mujoco.{name}" in sys.modules
 
 
 def _works(name: str) -> bool:

@@ -18,14 +18,16 @@ Units are SI, z points up, a rope's length grows when its winch pays out, and a 
 torque is positive when it pays out.
 """
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, TypeVar, cast
 
-from .errors import RigError
-from .parts import WORLD, Anchor, Drive, Frame, Load, Rail, Rope, Sheave, Trolley, Vector
+from .errors import RigError, did_you_mean
+from .parts import WORLD, Anchor, Drive, Frame, Load, Rail, Rope, Sheave, Trolley
 from .validation import validate
+from .values import Home, Vector, clean
 
 __all__ = [
     "WORLD",
@@ -41,8 +43,6 @@ __all__ = [
     "Trolley",
     "Vector",
 ]
-
-Home = Mapping[str, float | Vector]
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Rig:
     frames: tuple[Frame, ...] = ()
     anchors: tuple[Anchor, ...] = ()
     rails: tuple[Rail, ...] = ()
-    home: Home = field(default_factory=dict, hash=False)
+    home: Mapping[str, float | Vector] = Home({})
     """A configuration at rest: angle [rad] or position [m] of each frame and trolley (0 if
     left out), (x, y, z) [m] of each load.  It fixes the branch of the equations' solutions."""
     dimensions: Literal[2, 3] = 3
@@ -73,7 +73,8 @@ class Rig:
     """[m/s2], along -z."""
 
     def __post_init__(self) -> None:
-        _normalise(self)
+        clean(self)
+        object.__setattr__(self, "masses", (*self.trolleys, *self.loads))
         validate(self)
 
     @cached_property
@@ -111,12 +112,20 @@ class Rig:
         return tuple(mass for mass in self.masses if isinstance(mass, Load))
 
     def frame(self, name: str) -> Frame | None:
-        """The frame of that name; None for the world."""
-        return next((frame for frame in self.frames if frame.name == name), None)
+        """The frame of that name; None for the world.
+
+        Raises:
+            RigError: there is none.
+        """
+        return None if name == WORLD else _named("frame", self.frames, name)
 
     def rail(self, name: str) -> Rail:
-        """The rail of that name."""
-        return next(rail for rail in self.rails if rail.name == name)
+        """The rail of that name.
+
+        Raises:
+            RigError: there is none.
+        """
+        return _named("rail", self.rails, name)
 
     def driven(self, drive: Drive) -> Frame | Trolley | Rope:
         """What a drive acts on."""
@@ -127,27 +136,33 @@ class Rig:
         """Home value of a frame, trolley or load."""
         return self.home.get(part.name, (0.0, 0.0, 0.0) if isinstance(part, Load) else 0.0)
 
+    def home_point(self, name: str) -> Vector:
+        """Where an anchor, trolley or load is at home, in the world [m]."""
+        part = _named("point", (*self.anchors, *self.masses), name)
+        if isinstance(part, Load):
+            return cast(Vector, self.home_of(part))
+        if isinstance(part, Trolley):
+            rail = self.rail(part.rail)
+            frame, along = self.frame(rail.frame), cast(float, self.home_of(part))
+            pairs = zip(rail.origin, rail.direction, strict=True)
+            x, y, z = (start + along * step for start, step in pairs)
+        else:
+            frame, (x, y, z) = self.frame(part.frame), part.position
+        if frame is None:
+            return (x, y, z)
+        value = cast(float, self.home_of(frame))
+        if frame.kind == "turning":
+            cos, sin = math.cos(value), math.sin(value)
+            return (cos * x - sin * y, sin * x + cos * y, z)
+        a, b, c = frame.axis
+        return (x + value * a, y + value * b, z + value * c)
 
-def _normalise(rig: Rig) -> None:
-    """Make tuples of lists, so that a rig is hashable whatever it was built from."""
-    for name in ("masses", "ropes", "drives", "outputs", "frames", "anchors", "rails"):
-        _freeze(rig, name)
-    object.__setattr__(rig, "masses", (*rig.trolleys, *rig.loads))
-    for part in (*rig.frames, *rig.anchors, *rig.rails, *rig.ropes):
-        for name in ("axis", "position", "direction", "origin", "path", "sheaves"):
-            if hasattr(part, name):
-                _freeze(part, name)
-    if not isinstance(rig.home, Mapping):
-        raise RigError(f"home is {rig.home!r}, it must map names to positions")
-    home = {
-        key: tuple(value) if isinstance(value, list) else value for key, value in rig.home.items()
-    }
-    object.__setattr__(rig, "home", home)
+
+P = TypeVar("P", Frame, Rail, Anchor | Trolley | Load)
 
 
-def _freeze(owner: object, name: str) -> None:
-    value = getattr(owner, name)
-    if not isinstance(value, list | tuple):
-        label = f"{type(owner).__name__.lower()} {getattr(owner, 'name', '')}"
-        raise RigError(f"{label}: {name} is {value!r}, it must be a list")
-    object.__setattr__(owner, name, tuple(value))
+def _named(kind: str, parts: tuple[P, ...], name: str) -> P:
+    for part in parts:
+        if part.name == name:
+            return part
+    raise RigError(f"there is no {kind} {name!r}{did_you_mean(name, [p.name for p in parts])}")

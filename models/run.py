@@ -21,8 +21,9 @@ def run(model: mujoco.MjModel, qpos: ArrayLike, qvel: ArrayLike, controls: Array
     qpos, qvel
         Initial joint positions and velocities, shapes (nq,) and (nv,).
     controls
-        Inputs, shape (N, nu): row k acts from k to k + 1 time steps.  For a known function of
-        time, rows taken at the middle of each step give second-order accuracy.
+        Inputs, shape (N, nu): row k acts from k to k + 1 time steps; without a row nothing but
+        the start comes back.  For a known function of time, rows taken at the middle of each
+        step give second-order accuracy.
 
     Returns
     -------
@@ -31,19 +32,21 @@ def run(model: mujoco.MjModel, qpos: ArrayLike, qvel: ArrayLike, controls: Array
     Raises
     ------
     ModelError
-        A shape is wrong, an input is not finite, or the simulation breaks down.
+        A shape is wrong, a value is not finite, or the simulation breaks down.
     """
-    inputs = np.asarray(controls, dtype=float)
+    inputs = _numbers("controls", controls)
     if inputs.ndim != 2 or inputs.shape[1] != model.nu:
         raise ModelError(f"controls have shape {inputs.shape}, it must be (N, {model.nu})")
     if not np.isfinite(inputs).all():
         step = int(np.flatnonzero(~np.isfinite(inputs).all(axis=1))[0])
         raise ModelError(f"controls are not finite at step {step}")
+    position, velocity = _start("qpos", qpos, model.nq), _start("qvel", qvel, model.nv)
+    start = State(position[None], velocity[None])
+    if len(inputs) == 0:
+        return start
     batch = Batch(model, nsim=1, nthread=1)
     batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
-    batch.qpos = np.asarray(qpos, dtype=float)
-    batch.qvel = np.asarray(qvel, dtype=float)
-    start = State(batch.qpos.copy(), batch.qvel.copy())
+    batch.qpos, batch.qvel = position, velocity
     record = batch.rollout(len(inputs), inputs[None], record=("qpos", "qvel"))
     if batch.warning.any():
         raise ModelError(
@@ -54,6 +57,24 @@ def run(model: mujoco.MjModel, qpos: ArrayLike, qvel: ArrayLike, controls: Array
         np.concatenate([start.qpos, record["qpos"][0]]),
         np.concatenate([start.qvel, record["qvel"][0]]),
     )
+
+
+def _numbers(name: str, value: ArrayLike) -> Array:
+    """A copy as an array of floats."""
+    try:
+        return np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ModelError(f"{name} must be an array of numbers") from None
+
+
+def _start(name: str, value: ArrayLike, size: int) -> Array:
+    """Initial joint positions or velocities, shape (size,)."""
+    array = _numbers(name, value)
+    if array.shape != (size,):
+        raise ModelError(f"{name} has shape {array.shape}, it must be ({size},)")
+    if not np.isfinite(array).all():
+        raise ModelError(f"{name} is {array.tolist()}, it must be finite")
+    return array
 
 
 def accelerations(

@@ -53,11 +53,13 @@ def joint_state(
         model: its MuJoCo model.
         coordinates: positions [m, rad] of all frames, trolleys and loads by coordinate name
             ("bridge.angle", "trolley.position", "load.x"), each of shape (N,) or a number;
-            others (ropes, internal ones) are left aside.
+            those of ropes, of their spans, and of trolleys in the world ("trolley.x") follow
+            and are left aside.
         rates: their rates; what is left out is at rest.
 
     Raises:
-        ModelError: a coordinate is missing, or the model is of another rig.
+        ModelError: a coordinate is missing, unknown or not finite, shapes do not match, or the
+            model is of another rig.
     """
     _same(rig, model)
     motion = _gather(rig, coordinates, rates or {})
@@ -215,13 +217,48 @@ def _gather(
     needed = [frame.coordinate for frame in rig.frames]
     needed += [trolley.coordinate for trolley in rig.trolleys]
     needed += [f"{load.name}.{axis}" for load in rig.loads for axis in rig.axes]
+    _known(rig, coordinates, rates)
     for name in needed:
         if name not in coordinates:
-            known = [name for name in coordinates if name not in needed]
-            raise ModelError(f"coordinate {name} is missing{did_you_mean(name, known)}")
-    pairs = [(coordinates[name], rates.get(name, 0.0)) for name in needed]
-    full = np.broadcast_arrays(*(np.asarray(value, float) for pair in pairs for value in pair))
-    return {name: np.stack(full[2 * k : 2 * k + 2]) for k, name in enumerate(needed)}
+            raise ModelError(f"coordinate {name} is missing")
+    values = [_numbers(f"coordinate {name}", coordinates[name]) for name in needed]
+    speeds = [_numbers(f"rate of {name}", rates.get(name, 0.0)) for name in needed]
+    try:
+        full = np.broadcast_arrays(*values, *speeds)
+    except ValueError:
+        shapes = {str(array.shape) for array in (*values, *speeds) if array.ndim}
+        raise ModelError(
+            f"coordinates and rates have shapes {' and '.join(sorted(shapes))}, "
+            "they must be of one length or numbers"
+        ) from None
+    return {
+        name: np.stack(pair)
+        for name, *pair in zip(needed, full[: len(needed)], full[len(needed) :], strict=True)
+    }
+
+
+def _known(rig: Rig, *mappings: Mapping[str, ArrayLike]) -> None:
+    """Refuse names that are no coordinate of the rig, nor one that follows from them."""
+    following = [f"{r.name}.span{i}" for r in rig.ropes for i in range(1, len(r.path) - 1)]
+    following += [f"{trolley.name}.{axis}" for trolley in rig.trolleys for axis in "xyz"]
+    for name in (name for mapping in mappings for name in mapping):
+        if name not in rig.coordinate_names and name not in following:
+            raise ModelError(
+                f"rig {rig.name} has no coordinate {name}"
+                f"{did_you_mean(name, rig.coordinate_names)}"
+            )
+
+
+def _numbers(name: str, value: ArrayLike) -> Array:
+    """Finite numbers as an array."""
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ModelError(f"{name} is {value!r}, it must be finite numbers") from None
+    if not np.isfinite(array).all():
+        wrong = array[~np.isfinite(array)].flat[0]
+        raise ModelError(f"{name} is {wrong}, it must be finite")
+    return array
 
 
 def _on_rail(rig: Rig, trolley: Trolley, motion: Mapping[str, Array]) -> Array:

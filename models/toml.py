@@ -14,8 +14,9 @@ it may name a rig of the catalogue, with overrides:
     duration = 3.0
 """
 
+import os
 import tomllib
-from dataclasses import MISSING, asdict, fields
+from dataclasses import MISSING, asdict, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ import tomli_w
 
 from .catalogue import MOVES, full_name, make
 from .errors import FlatrigError, PathError, RigError, did_you_mean
+from .files import write_text
 from .move import Move
 from .rig import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Sheave, Trolley
 
@@ -71,7 +73,9 @@ def loads(text: str, folder: Path = Path()) -> tuple[Rig, Move | None]:
     for key in table:
         if key not in known:
             raise RigError(f"unknown entry {key!r}{did_you_mean(key, known)}")
-    parts: dict[str, Any] = {kind: _parts(kind, table.pop(kind, [])) for kind in _PARTS}
+    parts: dict[str, Any] = {
+        kind: _parts(kind, build, table.pop(kind, [])) for kind, build in _PARTS.items()
+    }
     parts["masses"] = [*parts.pop("trolleys"), *parts.pop("loads")]
     for key in ("name", "outputs"):
         if key not in table:
@@ -93,25 +97,27 @@ def dumps(rig: Rig, move: Move | None = None) -> str:
         if parts:
             table[kind] = [asdict(part) for part in parts]
     if move is not None:
-        table["move"] = asdict(move)
+        changed = [item for item in fields(Move) if getattr(move, item.name) != item.default]
+        table["move"] = {item.name: getattr(move, item.name) for item in changed}
     return tomli_w.dumps(table)
 
 
 def dump(path: str | Path, rig: Rig, move: Move | None = None) -> None:
-    """Write a rig, and a move if given, to a file.
+    """Write a rig, and a move if given, to a file; `samples` are named from its folder.
 
     Raises:
-        RigError: the file cannot be written.
+        OutputError: the file cannot be written.
     """
-    from .files import write_text
-
+    if move is not None and move.samples:
+        samples = os.path.relpath(move.samples, Path(path).parent)
+        move = replace(move, samples=samples)
     write_text(path, dumps(rig, move))
 
 
-def _parts(kind: str, entries: Any) -> list[Any]:
+def _parts(kind: str, build: type, entries: Any) -> list[Any]:
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise RigError(f"{kind} must be an array of tables, [[{kind}]]")
-    return [_part(kind, _PARTS[kind], entry) for entry in entries]
+    return [_part(kind, build, entry) for entry in entries]
 
 
 def _part(kind: str, build: type, entry: dict[str, Any]) -> Any:
@@ -119,8 +125,7 @@ def _part(kind: str, build: type, entry: dict[str, Any]) -> Any:
     _check_keys(label, build, entry)
     values = dict(entry)
     if build is Rope:
-        sheaves = values.get("sheaves", [])
-        values["sheaves"] = tuple(_part(f"{label}: sheaves", Sheave, sheave) for sheave in sheaves)
+        values["sheaves"] = _parts("sheaves", Sheave, values.get("sheaves", []))
     return build(**values)
 
 
@@ -145,9 +150,6 @@ def _move(entry: Any, folder: Path) -> Move | None:
     except RigError as error:
         raise PathError(str(error)) from None
     values = dict(entry)
-    if values.get("samples"):
+    if isinstance(values.get("samples"), str):
         values["samples"] = str(folder / values["samples"])
-    try:
-        return Move(**values)
-    except (TypeError, ValueError):
-        raise PathError(f"move: a value has the wrong type: {entry}") from None
+    return Move(**values)

@@ -1,0 +1,149 @@
+"""Turns what a user gives into plain numbers, vectors and names, or says what is wrong with it."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
+from functools import wraps
+from numbers import Real
+from typing import Any, Literal, ParamSpec, TypeVar, get_origin
+
+import numpy as np
+
+from .errors import RigError
+
+Vector = tuple[float, float, float]
+
+LARGEST = 1e12
+"""Numbers beyond it are taken for a mistake in units."""
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+def number(label: str, value: object, *, endless: bool = False) -> float:
+    """A finite number, from any real type; an infinite one too if `endless`.
+
+    Raises:
+        RigError: it is none.
+    """
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise RigError(f"{label} is {value!r}, it must be a number")
+    try:
+        plain = float(value)
+    except OverflowError:
+        plain = math.inf
+    if math.isinf(plain) and endless:
+        return plain
+    if not abs(plain) <= LARGEST:
+        raise RigError(f"{label} is {plain:g}, it must be finite and at most {LARGEST:g} in size")
+    return plain
+
+
+def word(label: str, value: object) -> str:
+    """A name.
+
+    Raises:
+        RigError: it is none.
+    """
+    if not isinstance(value, str):
+        raise RigError(f"{label} is {value!r}, it must be a name")
+    return value
+
+
+def sequence(label: str, value: object) -> tuple[Any, ...]:
+    """A tuple from a list, tuple or array.
+
+    Raises:
+        RigError: it is none of these.
+    """
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, str) or not isinstance(value, Sequence):
+        raise RigError(f"{label} is {value!r}, it must be a list")
+    return tuple(value)
+
+
+def vector(label: str, value: object) -> Vector:
+    """Three finite numbers.
+
+    Raises:
+        RigError: they are not.
+    """
+    values = sequence(label, value)
+    if len(values) != 3:
+        raise RigError(f"{label} has {len(values)} numbers, it needs 3")
+    x, y, z = (number(label, item) for item in values)
+    return (x, y, z)
+
+
+def clean(part: Any) -> None:
+    """Make the fields of a frozen dataclass what their annotations say.
+
+    Raises:
+        RigError: a value is not what its field needs.
+    """
+    name = getattr(part, "name", getattr(part, "at", ""))
+    owner = f"{type(part).__name__.lower()} {name}"
+    for item in fields(part):
+        label, value = f"{owner}: {item.name}", getattr(part, item.name)
+        kind: Any = item.type
+        if kind is float:
+            plain: object = number(label, value, endless=item.name in ("start", "end"))
+        elif kind == Vector:
+            plain = vector(label, value)
+        elif kind is str or (get_origin(kind) is Literal and isinstance(kind.__args__[0], str)):
+            plain = word(label, value)
+        elif kind == tuple[str, ...]:
+            plain = tuple(word(label, entry) for entry in sequence(label, value))
+        elif get_origin(kind) is tuple:  # of parts
+            plain = sequence(label, value)
+            for entry in plain:
+                if not isinstance(entry, kind.__args__[0]):
+                    needed = getattr(kind.__args__[0], "__name__", str(kind.__args__[0]))
+                    raise RigError(f"{label} holds {entry!r}, it must be a {needed}")
+        elif kind is int or kind == Literal[2, 3]:
+            plain = value
+        else:
+            plain = Home(value)
+        object.__setattr__(part, item.name, plain)
+
+
+def of_numbers(build: Callable[P, T]) -> Callable[P, T]:
+    """Check that all keywords of a function are numbers before it reckons with them."""
+
+    @wraps(build)
+    def checked(*args: P.args, **kwargs: P.kwargs) -> T:
+        plain = {key: number(f"{build.__name__}: {key}", value) for key, value in kwargs.items()}
+        return build(*args, **plain)  # type: ignore[arg-type]
+
+    return checked
+
+
+class Home(Mapping[str, float | Vector]):
+    """An immutable mapping from names of parts to a position or (x, y, z)."""
+
+    def __init__(self, values: Mapping[str, object]) -> None:
+        if not isinstance(values, Mapping):
+            raise RigError(f"home is {values!r}, it must map names to positions")
+        self._values: dict[str, float | Vector] = {}
+        for name, value in values.items():
+            label = f"home of {word('a name in home', name)}"
+            if isinstance(value, Real):
+                self._values[name] = number(label, value)
+            else:
+                self._values[name] = vector(label, value)
+
+    def __getitem__(self, name: str) -> float | Vector:
+        return self._values[name]
+
+    def __iter__(self) -> Any:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self._values.items()))
+
+    def __repr__(self) -> str:
+        return repr(self._values)
