@@ -1,19 +1,21 @@
 """Exact feedforward: from a rig and a reference path to the inputs that follow it.
 
-from flatrig import feedforward, models
-rig = models.overhead_crane()
-path = feedforward.rest_to_rest((0, -4), (5, -1), duration=3.0, order=4)
-motion = feedforward.solve(rig, path, times)     # motion.inputs, .tensions, .positions
+Example::
+
+    rig = models.overhead_crane()
+    path = feedforward.rest_to_rest((0, -4), (5, -1), duration=3.0, order=4)
+    motion = feedforward.solve(rig, path, np.linspace(0, 3, 3001))
+    motion.inputs, motion.tensions, motion.positions
 """
 
 from .assembly import equations_of
 from .equations import Equations, redundant
+from .inverse import solve
 from .motion import Motion, Slack
 from .reference import Reference, from_move, hold, rest_to_rest, three_phase
-from .residuals import residuals
 from .sampled import from_csv, sampled
-from .solve import solve
 from .structure import Analysis, analyse
+from .verification import residuals
 
 __all__ = [
     "Analysis",

@@ -1,6 +1,7 @@
 """Assembles the equations of motion of a rig from its parts."""
 
 from functools import lru_cache
+from types import MappingProxyType
 
 import numpy as np
 
@@ -40,7 +41,8 @@ class _Builder:
         self._drives()
         n = len(self.names)
         stacked = np.array(self.constraints).reshape(-1, n + 1, n + 1)
-        for array in (self.mass, self.force, stacked, self.inputs, *lengths):
+        points = {part.name: self.position(part.name) for part in self.points}
+        for array in (self.mass, self.force, stacked, self.inputs, *lengths, *points.values()):
             array.flags.writeable = False
         return Equations(
             rig=self.rig,
@@ -58,7 +60,7 @@ class _Builder:
             ),
             spans=tuple(spans),
             span_lengths=tuple(lengths),
-            points={part.name: self.position(part.name) for part in self.points},
+            points=MappingProxyType(points),
         )
 
     def _coordinates(self) -> list[str]:

@@ -23,7 +23,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.errors import RigError
+from ..models.errors import RigError, did_you_mean
 from ..models.rig import Rig
 
 Array = NDArray[np.float64]
@@ -127,7 +127,11 @@ def redundant(
         values: arrays (...) for the names of `Rig.coordinate_names`; rope lengths may be left
             out, they follow.
         rates: their rates, for the same names.
+
+    Raises:
+        RigError: a coordinate or its rate is missing, or a name is unknown.
     """
+    _check_names(equations.rig, values, rates)
     samples = np.broadcast_shapes(*(np.shape(value) for value in values.values()))
     q, v = (np.zeros((*samples, len(equations.names))) for _ in range(2))
     for angle, cos, sin in equations.turning:
@@ -148,6 +152,18 @@ def redundant(
         k = equations.names.index(rope.coordinate)
         q[..., k], v[..., k] = np.sum(spans, axis=0)
     return q, v
+
+
+def _check_names(rig: Rig, *given: Mapping[str, Array]) -> None:
+    lengths = {rope.coordinate for rope in rig.ropes}
+    for names in given:
+        for name in rig.coordinate_names:
+            if name not in lengths and name not in names:
+                raise RigError(f"rig {rig.name}: coordinate {name} is missing")
+        for name in names:
+            if name not in rig.coordinate_names:
+                known = did_you_mean(name, rig.coordinate_names)
+                raise RigError(f"rig {rig.name} has no coordinate {name!r}{known}")
 
 
 def _put_on_rails(equations: Equations, q: Array, v: Array) -> None:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.errors import RigError, did_you_mean
 from ..models.files import replacing
 from ..models.rig import Rig
 
@@ -44,22 +45,30 @@ class Motion:
     coordinate_names: tuple[str, ...]
     """Columns of `positions`: those of `Rig.coordinate_names`, then auxiliary ones."""
     positions: Array
-    """Shape (N, coordinates)."""
+    """[m] or [rad], shape (N, coordinates)."""
     velocities: Array
-    """Shape (N, coordinates)."""
+    """[m/s] or [rad/s], shape (N, coordinates)."""
     accelerations: Array
-    """Shape (N, coordinates)."""
+    """[m/s2] or [rad/s2], shape (N, coordinates)."""
     inputs: Array
-    """Shape (N, inputs), columns `Rig.input_names`."""
+    """[N] or [N m], shape (N, inputs), columns `Rig.input_names`."""
     tensions: Array
     """[N], shape (N, ropes), columns `Rig.rope_names`; a rope can only pull, > 0."""
     multipliers: Array
-    """Of the constraints of `Equations.constraint_names`, shape (N, constraints)."""
+    """Of the constraints of `Equations.constraint_names`, shape (N, constraints); a span's is
+    its tension over its length [N/m]."""
     slack: tuple[Slack, ...]
     """Intervals in which a tension is not > 0, as far as the samples show them."""
 
     def column(self, name: str) -> int:
-        """Column of a coordinate."""
+        """Column of a coordinate.
+
+        Raises:
+            RigError: there is none of that name.
+        """
+        if name not in self.coordinate_names:
+            known = did_you_mean(name, self.coordinate_names)
+            raise RigError(f"rig {self.rig.name} has no coordinate {name!r}{known}")
         return self.coordinate_names.index(name)
 
     @property
@@ -118,6 +127,8 @@ class Motion:
 def find_slack(rig: Rig, times: Array, tensions: Array) -> tuple[Slack, ...]:
     """Intervals of tensions (N, ropes) that are not > 0, their ends interpolated."""
     found = []
+    order = np.argsort(times, kind="stable")
+    times, tensions = times[order], tensions[order]
     for rope, tension in zip(rig.rope_names, tensions.T, strict=True):
         loose = np.concatenate(([False], ~(tension > 0), [False]))
         first = np.flatnonzero(loose[1:] & ~loose[:-1]).tolist()

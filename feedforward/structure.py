@@ -79,11 +79,8 @@ class Analysis:
     @property
     def reference_order(self) -> int:
         """Number of continuous derivatives that the reference must have."""
-        return max(
-            c
-            for row, c in zip(self.rows, self.equation_offsets, strict=True)
-            if row.output is not None
-        )
+        offsets = zip(self.rows, self.equation_offsets, strict=True)
+        return max((c for row, c in offsets if row.output is not None), default=0)
 
     @property
     def degrees_of_freedom(self) -> int:

@@ -186,6 +186,42 @@ def test_redundant_coordinates_satisfy_the_constraints_and_their_rates(rng):
         assert_allclose(speed, 0, atol=1e-13)
 
 
+def test_redundant_coordinates_need_every_name():
+    made = equations_of(models.overhead_crane())
+    values = {"trolley.position": np.zeros(1), "load.x": np.zeros(1), "load.z": -np.ones(1)}
+    with pytest.raises(models.RigError, match=r"coordinate load\.z is missing"):
+        redundant(made, {name: values[name] for name in list(values)[:2]}, values)
+    with pytest.raises(models.RigError, match=r"no coordinate 'load.y'; did you mean"):
+        redundant(made, values, values | {"load.y": np.zeros(1)})
+
+
+def test_a_sheave_is_never_the_winch():
+    """A rope from the trolley around a pulley back to a sheave on the trolley, then to the load."""
+    rig = models.Rig(
+        name="around",
+        dimensions=2,
+        rails=(Rail("beam", (1.0, 0.0, 0.0)),),
+        masses=(Trolley("trolley", 10.0, "beam"), Load("pulley", 5.0), Load("load", 20.0)),
+        ropes=(
+            Rope(
+                "hoist",
+                ("trolley", "pulley", "trolley", "load"),
+                drum_radius=0.1,
+                winch_inertia=0.1,
+                sheaves=(Sheave("trolley", inertia=0.2, radius=0.1),),
+            ),
+        ),
+        drives=(),
+        outputs=(),
+        home={"pulley": (1.0, 0.0, -2.0), "load": (0.0, 0.0, -4.0)},
+    )
+    made = equations_of(rig)
+    place = {name: i for i, name in enumerate(made.names)}
+    spans = [place["hoist.span1"], place["hoist.span2"]]
+    # 1/2 J/r^2 (L - span1 - span2)'^2 couples the two spans.
+    relative(made.mass[np.ix_(spans, spans)], np.full((2, 2), 20.0))
+
+
 def test_accelerations_satisfy_the_equations_and_the_hidden_constraints(rng):
     rig = models.rotary_crane()
     made = equations_of(rig)

@@ -16,7 +16,7 @@ def random_end(rig, rng):
     height = -rng.uniform(0.2, 8.0)
     if rig.dimensions == 2:
         return (rng.uniform(-2, 8), height)
-    angle, radius = rng.uniform(-3, 3), rng.uniform(0.6, 7.5)
+    angle, radius = rng.uniform(-np.pi, np.pi), rng.uniform(0.6, 7.5)
     return (radius * np.cos(angle), radius * np.sin(angle), height)
 
 

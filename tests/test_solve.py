@@ -162,6 +162,35 @@ def test_a_start_away_from_home_stays_on_home_s_branch():
     assert (motion.rope_lengths > 0).all()
 
 
+@pytest.mark.parametrize("start", [(-5, 0, -5), (-4, 0.3, -2), (-4, -0.3, -2)])
+def test_a_start_behind_the_tower_is_reached_around_it(start):
+    path = rest_to_rest(start, (-4, 1.8, -2), duration=10.0)
+    motion = solve(models.rotary_crane(), path, np.linspace(0, 10, 51))
+    assert residuals(motion, path).max() < 1e-9
+    assert (motion.positions[:, motion.column("trolley.position")] > 0).all()
+
+
+def test_many_turns_are_followed():
+    """Fifteen turns in 200 s: finer than the first grid along the path."""
+    times = np.linspace(0, 200, 1501)
+    angle = rest_to_rest([0.0], [30 * np.pi], 200.0, order=6)(times)[:, 0]
+    points = np.array([4 * np.cos(angle), 4 * np.sin(angle), np.full(len(times), -3.0)]).T
+    reference = feedforward.sampled(times, points)
+    motion = solve(models.rotary_crane(), reference, np.linspace(0, 200, 801))
+    assert residuals(motion, reference).max() < 1e-9
+    assert motion.positions[-1, 0] == pytest.approx(30 * np.pi, abs=1e-6)
+
+
+def test_times_in_any_order_or_none():
+    rig = models.roped_overhead_crane(load_mass=5.0, trolley_mass=50.0)
+    path = rest_to_rest((0, -4), (5, -4), duration=4.0)
+    times = np.linspace(0, 4, 401)
+    forward, backward = solve(rig, path, times), solve(rig, path, times[::-1])
+    assert forward.slack == backward.slack
+    assert solve(rig, path, []).inputs.shape == (0, 2)
+    assert residuals(solve(rig, path, []), path).shape == (0, 11)
+
+
 def test_at_rest_outside_the_path():
     rig = models.overhead_crane()
     motion = solve(rig, OVERHEAD, [-1.0, 10.0])
@@ -220,8 +249,14 @@ def test_refuses_a_path_through_the_tower():
 def test_refuses_the_wrong_number_of_columns_and_bad_times():
     with pytest.raises(PathError, match=r"has 3 columns.*needs 2: load.x, load.z"):
         solve(models.overhead_crane(), ROTARY, [0.0])
-    with pytest.raises(PathError, match="times must be finite"):
-        solve(models.overhead_crane(), OVERHEAD, [0.0, np.nan])
+    for times, message in [
+        ([0.0, np.nan], r"times\[1\] is NaN"),
+        ([0.0, np.inf], "time 1 is inf, it must be finite"),
+        (["now"], "times"),
+        ([[0.0, 1.0]], "shape"),
+    ]:
+        with pytest.raises(PathError, match=message):
+            solve(models.overhead_crane(), OVERHEAD, times)
 
 
 def test_refuses_outputs_that_contradict_each_other():

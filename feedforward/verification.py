@@ -18,6 +18,8 @@ def residuals(motion: Motion, reference: Reference) -> Array:
     Equations of motion, constraints and servo constraints stand in the order of
     `analyse(rig).rows`.  Shape (N, equations).
     """
+    if not len(motion.times):
+        return np.zeros((0, len(analyse(motion.rig).rows)))
     values, seconds = _unknowns(motion)
     path = reference(motion.times)
     rows = analyse(motion.rig).rows

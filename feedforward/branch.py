@@ -1,0 +1,250 @@
+"""On which branch of the solutions a motion lies: followed from the rig's home along the path.
+
+The equations of a rig have several solutions (a trolley on the other half of a turning girder, a
+pulley on the other side of its ropes).  The right one continues the rig's home: from there the
+outputs are moved to the start of the path in rest, and then along it, on a grid as fine as needed.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..models.errors import PathError, RigError, SmoothnessError
+from ..models.rig import Rig
+from .assembly import equations_of
+from .equations import Equations, redundant
+from .reference import Reference
+from .steps import Step, plan
+from .structure import Analysis, analyse
+from .taylor import Solution, expand
+
+Array = NDArray[np.float64]
+
+GRIDS = (129, 513, 2049)
+"""Samples along the path; the next where Newton's method loses its way on one."""
+APPROACHES = (17, 65)
+"""Samples of the way from home to the start of the path."""
+RAIL_TOLERANCE = 1e-9
+"""How far past the end of a rail a trolley may be through rounding [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """The solution on a grid along the whole path."""
+
+    rig: Rig
+    analysis: Analysis
+    steps: tuple[Step, ...]
+    signs: dict[int, float]
+    """Sign of each block's determinant on this branch."""
+    times: Array
+    values: Array
+    """Unknowns, shape (unknowns, samples)."""
+    rates: Array
+    """Their first derivatives; finite differences where the expansion has none."""
+    angles: dict[str, Array]
+    """Continuous angles of the turning frames, shape (samples,)."""
+
+    @property
+    def order(self) -> int:
+        """Derivatives of the reference that are used."""
+        return max(self.analysis.reference_order, 2)
+
+    def near(self, times: Array) -> Array:
+        """The unknowns between the grid's samples, shape (unknowns, N)."""
+        step = self.times[1]
+        place = np.clip(times / step, 0.0, len(self.times) - 1.0)
+        below = np.minimum(place.astype(int), len(self.times) - 2)
+        share = place - below
+        left, right = self.values[:, below], self.values[:, below + 1]
+        # Cubic Hermite interpolation, as the chord and what the end slopes add to it.
+        drop = left - right
+        bend = share * (1.0 - share)
+        start = step * self.rates[:, below] + drop
+        end = step * self.rates[:, below + 1] + drop
+        return np.asarray(left - share * drop + bend * ((1.0 - share) * start - share * end))
+
+
+@lru_cache(maxsize=512)
+def branch_of(rig: Rig, reference: Reference) -> Branch:
+    """The branch of a rig along a path; found once for each pair.
+
+    Raises:
+        RigError, SmoothnessError, PathError: as `feedforward.solve`.
+    """
+    analysis = analyse(rig)
+    _accept(rig, reference, analysis)
+    equations = equations_of(rig)
+    steps = plan(analysis)
+    approach = _approach(rig, reference, analysis, equations, steps)
+    signs = {block: float(sign[0]) for block, sign in approach.signs.items()}
+    values = _values(approach)
+    turned = {
+        name: np.unwrap(np.arctan2(values[sin], values[cos]))[-1]
+        for name, cos, sin in equations.turning
+    }
+    start = values[:, -1:]
+    for samples in GRIDS:
+        times = np.linspace(0.0, reference.duration, samples)
+        taylor = taylor_of(reference, times, max(analysis.reference_order, 2))
+        solution = expand(steps, len(start), taylor, start, follow=True)
+        if first_wrong(solution, signs, times) is None:
+            break
+    refuse(rig, analysis, solution, signs, times, taylor[0])
+    path = _values(solution)
+    stay_on_rails(rig, equations.names, path, times)
+    rates = np.gradient(path, times[1], axis=1)
+    for j, coefficients in enumerate(solution.series):
+        if len(coefficients) > 1:
+            rates[j] = coefficients[1]
+    angles = {}
+    for name, cos, sin in equations.turning:
+        angle = np.unwrap(np.arctan2(path[sin], path[cos]))
+        full = 2.0 * np.pi * np.round((turned[name] - angle[0]) / (2.0 * np.pi))
+        angles[name] = angle + full
+    return Branch(rig, analysis, steps, signs, times, path, rates, angles)
+
+
+def taylor_of(reference: Reference, times: Array, order: int) -> Array:
+    """Taylor coefficients of a reference, shape (order + 1, N, outputs)."""
+    factorials = [math.factorial(k) for k in range(order + 1)]
+    derivatives = reference.derivatives(times, order)
+    return np.asarray(derivatives / np.array(factorials, dtype=float)[:, None, None])
+
+
+def first_wrong(solution: Solution, signs: dict[int, float], times: Array) -> int | None:
+    """The earliest sample that has no solution or lies beyond a singular place, if any."""
+    wrong = ~solution.solved
+    for block, sign in solution.signs.items():
+        wrong |= (sign != signs[block]) | (signs[block] == 0)
+    if not wrong.any():
+        return None
+    order = np.argsort(times, kind="stable")
+    return int(order[wrong[order].argmax()])
+
+
+def refuse(
+    rig: Rig,
+    analysis: Analysis,
+    solution: Solution,
+    signs: dict[int, float],
+    times: Array,
+    outputs: Array,
+    when: str = "",
+) -> None:
+    """Raise at the first wrong sample, naming its time and its outputs (N, outputs)."""
+    first = first_wrong(solution, signs, times)
+    if first is None:
+        return
+    guilty = [
+        block
+        for block, (_, unknowns) in enumerate(analysis.blocks)
+        if solution.signs[block][first] != signs[block]
+        or signs[block] == 0
+        or not all(np.isfinite(solution.series[j][0][first]) for j in unknowns)
+    ]
+    lost = " and ".join(analysis.unknowns[j] for j in analysis.blocks[guilty[0]][1])
+    named = zip(rig.outputs, outputs[first], strict=True)
+    place = ", ".join(f"{name} = {value:.4g}" for name, value in named)
+    raise PathError(
+        f"rig {rig.name} cannot follow the path {when or f'at t = {times[first]:.4g} s'} "
+        f"({place}): {lost} has no value there that continues the motion"
+    )
+
+
+def stay_on_rails(rig: Rig, names: tuple[str, ...], positions: Array, times: Array) -> None:
+    """Refuse a motion (coordinates, N) in which a trolley leaves its rail."""
+    for trolley in rig.trolleys:
+        rail = rig.rail(trolley.rail)
+        place = positions[names.index(trolley.coordinate)]
+        beyond = np.maximum(rail.start - place, place - rail.end) > RAIL_TOLERANCE
+        if beyond.any():
+            i = int(beyond.argmax())
+            raise PathError(
+                f"rig {rig.name} cannot follow the path at t = {times[i]:.4g} s: "
+                f"{trolley.name} is at {place[i]:.4g} m, rail {rail.name} goes from "
+                f"{rail.start:g} m to {rail.end:g} m"
+            )
+
+
+def _accept(rig: Rig, reference: Reference, analysis: Analysis) -> None:
+    """Refuse a rig that is not flat and a reference of the wrong kind."""
+    if not analysis.flat:
+        raise RigError(
+            f"rig {rig.name} is not flat: its outputs leave {analysis.degrees_of_freedom} "
+            "degrees of freedom undetermined"
+        )
+    if reference.size != len(rig.outputs):
+        raise PathError(
+            f"the reference has {reference.size} columns, rig {rig.name} needs "
+            f"{len(rig.outputs)}: {', '.join(rig.outputs)}"
+        )
+    if reference.order < analysis.reference_order:
+        raise SmoothnessError(
+            f"the reference has {reference.order} continuous derivatives, rig {rig.name} "
+            f"needs {analysis.reference_order}"
+        )
+
+
+def _approach(
+    rig: Rig,
+    reference: Reference,
+    analysis: Analysis,
+    equations: Equations,
+    steps: tuple[Step, ...],
+) -> Solution:
+    """The solution in rest from home to the start of the path, by the first way that has one."""
+    home = _home(rig, equations)
+    outputs = list(equations.outputs)
+    tried: list[tuple[Solution, dict[int, float], Array]] = []
+    for way in _ways(home[outputs], np.asarray(reference.start)):
+        taylor = np.zeros((max(analysis.reference_order, 2) + 1, *way.shape))
+        taylor[0] = way
+        solution = expand(steps, len(home), taylor, home[:, None], follow=True)
+        signs = {block: float(sign[0]) for block, sign in solution.signs.items()}
+        if first_wrong(solution, signs, np.arange(float(len(way)))) is None:
+            return solution
+        tried.append((solution, signs, way))
+    solution, signs, way = tried[0]
+    when = "on the way from the rig's home to the start"
+    refuse(rig, analysis, solution, signs, np.arange(float(len(way))), way, when)
+    raise AssertionError("unreachable: the first way was wrong")
+
+
+def _ways(home: Array, start: Array) -> Iterator[Array]:
+    """Ways of the outputs (N, outputs) from home to the start: straight, then around what is not.
+
+    A load behind a tower is reached around it: by a parabola to one side or the other.
+    """
+    for samples in APPROACHES:
+        yield np.linspace(home, start, samples)
+    share = np.linspace(0.0, 1.0, APPROACHES[-1])[:, None]
+    reach = float(np.linalg.norm(start - home))
+    for side in (*np.eye(len(home)), *-np.eye(len(home))):
+        yield home + share * (start - home) + 2.0 * reach * share * (1.0 - share) * side
+
+
+def _home(rig: Rig, equations: Equations) -> Array:
+    """All unknowns at rest at the rig's home, those of statics in the sense of least squares."""
+    values = {}
+    for frame in rig.frames:
+        values[frame.coordinate] = np.array(rig.home_of(frame))
+    for mass in rig.masses:
+        place = np.array(rig.home_of(mass), dtype=float)
+        if place.ndim == 0:
+            values[f"{mass.name}.position"] = place
+        else:
+            values |= {f"{mass.name}.{axis}": place["xyz".index(axis)] for axis in rig.axes}
+    state, _ = redundant(equations, values, dict.fromkeys(values, np.zeros(())))
+    pull = np.hstack((equations.constraint_jacobian(state).T, -equations.input_matrix(state)))
+    statics = np.linalg.lstsq(pull, equations.force, rcond=None)[0]
+    return np.concatenate((state, statics))
+
+
+def _values(solution: Solution) -> Array:
+    """The unknowns themselves, shape (unknowns, N)."""
+    return np.array([coefficients[0] for coefficients in solution.series])

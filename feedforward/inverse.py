@@ -1,0 +1,106 @@
+"""Exact feedforward: the inputs and the motion that a reference path implies.
+
+Nothing is integrated.  `structure` says which derivatives of which equations determine the
+unknowns, `taylor` solves for them, `branch` picks the solution that continues the rig's home and
+refuses what cannot be followed, and this module names the results.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..models.errors import PathError
+from ..models.rig import Rig
+from .assembly import equations_of
+from .branch import Branch, branch_of, refuse, stay_on_rails, taylor_of
+from .checks import check_times
+from .equations import Equations
+from .motion import Motion, find_slack
+from .reference import Reference
+from .taylor import Solution, expand
+
+Array = NDArray[np.float64]
+
+
+def solve(rig: Rig, reference: Reference, times: ArrayLike) -> Motion:
+    """Inputs, coordinates and rope tensions along a reference path, to rounding.
+
+    Args:
+        rig: a flat rig.
+        reference: path of the rig's outputs; at rest before 0 and after its duration.
+        times: instants [s], shape (N,) or a number.
+
+    Returns:
+        The motion at these instants.  Ropes that would have to push are reported in its
+        `slack`, not refused.
+
+    Raises:
+        RigError: the rig is not flat.
+        SmoothnessError: the reference has fewer continuous derivatives than the rig needs.
+        PathError: the path leaves the workspace or passes a singular place, and the message
+            says where and when; or it has another number of columns than the rig outputs; or
+            a time is not a finite number.
+
+    Source: flatness of the cranes, Y 4.105 to 4.122 and K theorem 3; the method is Taylor
+    expansion of the differentiated equations, as in Pryce (BIT 41, 2001).
+    """
+    instants = check_times(times if np.ndim(times) else [times])
+    if not np.isfinite(instants).all():
+        i = int(np.flatnonzero(~np.isfinite(instants))[0])
+        raise PathError(f"time {i} is {instants[i]}, it must be finite")
+    branch = branch_of(rig, reference)
+    taylor = taylor_of(reference, instants, branch.order)
+    guess = branch.near(instants)
+    solution = expand(branch.steps, len(guess), taylor, guess, follow=False)
+    refuse(rig, branch.analysis, solution, branch.signs, instants, taylor[0])
+    motion = _motion(rig, equations_of(rig), solution, instants, branch)
+    stay_on_rails(rig, motion.coordinate_names, motion.positions.T, instants)
+    return motion
+
+
+def _motion(
+    rig: Rig, equations: Equations, solution: Solution, times: Array, branch: Branch
+) -> Motion:
+    """Name the results."""
+    n, m = len(equations.names), len(equations.constraint_names)
+    series = solution.series
+    state = np.array([[w[0], w[1], 2.0 * w[2]] for w in series[:n]])
+    values = np.array([w[0] for w in series[n:]]).T
+    columns = {name: state[i] for i, name in enumerate(equations.names)}
+    at = np.clip(times, 0.0, branch.times[-1])
+    for name, cos, sin in equations.turning:
+        near = np.interp(at, branch.times, branch.angles[name])
+        columns[name] = _angle(state[cos], state[sin], near)
+    directors = {i for _, *pair in equations.turning for i in pair}
+    auxiliary = [name for i, name in enumerate(equations.names) if i not in directors]
+    names = tuple(dict.fromkeys((*rig.coordinate_names, *auxiliary)))
+    positions, velocities, accelerations = np.array([columns[name] for name in names]).transpose(
+        1, 2, 0
+    )
+    ones = np.ones(len(times))
+    tensions = np.array(
+        [
+            values[:, spans[-1]] * (lengths[-1] @ np.vstack((state[:, 0], ones)))
+            for spans, lengths in zip(equations.spans, equations.span_lengths, strict=True)
+        ]
+    ).reshape(len(rig.ropes), len(times))
+    return Motion(
+        rig=rig,
+        times=times,
+        coordinate_names=names,
+        positions=positions,
+        velocities=velocities,
+        accelerations=accelerations,
+        inputs=values[:, m:],
+        tensions=tensions.T,
+        multipliers=values[:, :m],
+        slack=find_slack(rig, times, tensions.T),
+    )
+
+
+def _angle(cos: Array, sin: Array, near: Array) -> Array:
+    """An angle and its two derivatives, (3, N), from those of its cosine and sine."""
+    principal = np.arctan2(sin[0], cos[0])
+    turns = np.round((near - principal) / (2.0 * np.pi))
+    rate = cos[0] * sin[1] - sin[0] * cos[1]
+    acceleration = cos[0] * sin[2] - sin[0] * cos[2]
+    return np.array([principal + 2.0 * np.pi * turns, rate, acceleration])
