@@ -40,6 +40,9 @@ def solve(rig: Rig, reference: Reference, times: ArrayLike) -> Motion:
             says where and when; or it has another number of columns than the rig outputs; or
             a time is not a finite number.
 
+    A path that starts at a singular place, such as a massless pulley hanging straight below its
+    winch (Y 6.1.1), is refused.
+
     Source: flatness of the cranes, Y 4.105 to 4.122 and K theorem 3; the method is Taylor
     expansion of the differentiated equations, as in Pryce (BIT 41, 2001).
     """

@@ -9,9 +9,14 @@ import pytest
 from numpy.testing import assert_allclose
 
 from flatrig.feedforward import analyse, residuals, rest_to_rest, solve, three_phase
-from flatrig.models import PathError, SmoothnessError
+from flatrig.models import Anchor, Drive, Load, PathError, Rig, Rope, SmoothnessError
 
 ROOT3 = np.sqrt(3.0)
+
+
+def rope(name, *path):
+    return Rope(name, path, drum_radius=0.1, winch_inertia=0.1)
+
 
 CASES = {
     "cantilever": (three_phase((5, 0, -5), (-2, 2, -2), 20, 5), 5, 4),
@@ -47,6 +52,27 @@ def test_planar_navy_crane_is_y_6_1_2(other_rigs):
     assert one.min() == pytest.approx(-9177, abs=1)
     assert one[-1] == pytest.approx(-231, abs=0.5)
     assert {slack.rope for slack in motion.slack} == {"one"}
+
+
+def test_massless_pulley_ends_as_in_y_6_1_1():
+    """From a regular start; the printed one, straight below the boom's tip, is singular."""
+    along = (-5 * ROOT3, 0.0, -5.0)
+    rig = Rig(
+        name="massless_pulley",
+        dimensions=2,
+        anchors=(Anchor("A", along), Anchor("P", (0.0, 0.0, 0.0))),
+        masses=(Load("pulley", 0.0), Load("load", 100.0)),
+        ropes=(rope("one", "A", "pulley"), rope("two", "P", "pulley", "load")),
+        drives=(Drive("one", "one", 1.0), Drive("two", "two", 1.0)),
+        outputs=("load.x", "load.z"),
+        home={"pulley": (-2.5, 0.0, -4.5), "load": (-3.0, 0.0, -13.0)},
+    )
+    analysis = analyse(rig)
+    assert (analysis.index, analysis.reference_order, analysis.degrees_of_freedom) == (5, 4, 0)
+    path = rest_to_rest((-3, -13), (-5, -12), 5)
+    motion = solve(rig, path, np.linspace(0, 5, 101))
+    assert residuals(motion, path).max() < 1e-9
+    assert_allclose(motion.inputs[-1], [-64.733, -98.1], atol=5e-4)
 
 
 def test_navy_crane_refuses_the_printed_profile(other_rigs):
