@@ -142,8 +142,8 @@ class ThreePhase:
         check_order("order", self.order, lowest=1, highest=HIGHEST_ORDER)
         if not SHORTEST_BLEND <= as_number(self.blend) <= 0.5:
             raise PathError(
-                f"blend is {self.blend!r} of the duration, it must be > 0 and <= 0.5 "
-                f"(from {SHORTEST_BLEND:g})"
+                f"blend is {self.blend!r} of the duration, it must be from "
+                f"{SHORTEST_BLEND:g} to 0.5"
             )
 
     @property

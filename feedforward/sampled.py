@@ -272,7 +272,7 @@ def _check_table(times: FloatArray, points: FloatArray, label: Callable[[int], s
     for index, column in np.argwhere(~(np.abs(table) <= LARGEST))[:1]:
         value = table[index, column]
         rule = f"within +-{LARGEST:g}" if math.isfinite(value) else "finite"
-        raise PathError(f"{label(index)}, column {column + 1} is {value}, it must be {rule}")
+        raise PathError(f"{label(index)}, column {column + 1} is {value:g}, it must be {rule}")
     for index in np.flatnonzero(np.diff(times) <= 0)[:1] + 1:
         raise PathError(
             f"{label(index)}: time {times[index]:g} s follows {times[index - 1]:g} s, "

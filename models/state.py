@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .chain import Link, joint_names, links
-from .errors import ModelError, did_you_mean
+from .errors import ModelError
+from .given import gather
 from .rig import Frame, Rig, Trolley, Vector
 
 Array = NDArray[np.float64]
@@ -62,7 +63,7 @@ def joint_state(
             model is of another rig.
     """
     _same(rig, model)
-    motion = _gather(rig, coordinates, rates or {})
+    motion = gather(rig, coordinates, rates or {})
     columns: dict[str, Array] = {}
     place: dict[str, Array] = {}
     for link in links(rig):
@@ -208,57 +209,6 @@ def _same(rig: Rig, model: Any) -> None:
             f"the model has {model.nq} joints, rig {rig.name} has {len(joint_names(rig))}; "
             "use the model compiled from this rig"
         )
-
-
-def _gather(
-    rig: Rig, coordinates: Mapping[str, ArrayLike], rates: Mapping[str, ArrayLike]
-) -> dict[str, Array]:
-    """Positions and velocities of frames, trolleys and loads, each (2, N)."""
-    needed = [frame.coordinate for frame in rig.frames]
-    needed += [trolley.coordinate for trolley in rig.trolleys]
-    needed += [f"{load.name}.{axis}" for load in rig.loads for axis in rig.axes]
-    _known(rig, coordinates, rates)
-    for name in needed:
-        if name not in coordinates:
-            raise ModelError(f"coordinate {name} is missing")
-    values = [_numbers(f"coordinate {name}", coordinates[name]) for name in needed]
-    speeds = [_numbers(f"rate of {name}", rates.get(name, 0.0)) for name in needed]
-    try:
-        full = np.broadcast_arrays(*values, *speeds)
-    except ValueError:
-        shapes = {str(array.shape) for array in (*values, *speeds) if array.ndim}
-        raise ModelError(
-            f"coordinates and rates have shapes {' and '.join(sorted(shapes))}, "
-            "they must be of one length or numbers"
-        ) from None
-    return {
-        name: np.stack(pair)
-        for name, *pair in zip(needed, full[: len(needed)], full[len(needed) :], strict=True)
-    }
-
-
-def _known(rig: Rig, *mappings: Mapping[str, ArrayLike]) -> None:
-    """Refuse names that are no coordinate of the rig, nor one that follows from them."""
-    following = [f"{r.name}.span{i}" for r in rig.ropes for i in range(1, len(r.path) - 1)]
-    following += [f"{trolley.name}.{axis}" for trolley in rig.trolleys for axis in "xyz"]
-    for name in (name for mapping in mappings for name in mapping):
-        if name not in rig.coordinate_names and name not in following:
-            raise ModelError(
-                f"rig {rig.name} has no coordinate {name}"
-                f"{did_you_mean(name, rig.coordinate_names)}"
-            )
-
-
-def _numbers(name: str, value: ArrayLike) -> Array:
-    """Finite numbers as an array."""
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ModelError(f"{name} is {value!r}, it must be finite numbers") from None
-    if not np.isfinite(array).all():
-        wrong = array[~np.isfinite(array)].flat[0]
-        raise ModelError(f"{name} is {wrong}, it must be finite")
-    return array
 
 
 def _on_rail(rig: Rig, trolley: Trolley, motion: Mapping[str, Array]) -> Array:

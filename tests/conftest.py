@@ -1,9 +1,10 @@
-"""Rigs that are not in the catalogue, for tests of what must work for any description."""
+"""Rigs that are not in the catalogue and random states, for what must work for any description."""
 
 import numpy as np
 import pytest
 
 from flatrig.models import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Trolley
+from flatrig.models.chain import links
 
 ROOT3 = np.sqrt(3.0)
 
@@ -85,3 +86,20 @@ def other_rigs() -> dict[str, Rig]:
         "planar navy": planar_navy_crane(),
         "navy": navy_crane(),
     }
+
+
+@pytest.fixture(scope="session")
+def random_states():
+    """A function of a rig: joint positions about home, velocities, inputs within the limits."""
+
+    def draw(rig, count=20):
+        generator = np.random.default_rng(7)
+        home = np.array([value for link in links(rig) for value in link.home])
+        limits = np.array([drive.limit for drive in rig.drives])
+        return (
+            home + generator.uniform(-0.8, 0.8, (count, len(home))),
+            generator.uniform(-1, 1, (count, len(home))),
+            limits * generator.uniform(-1, 1, (count, len(limits))),
+        )
+
+    return draw

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from flatrig import models
+from flatrig.feedforward import from_move, solve
 from flatrig.models import ModelError, mjcf, run, state
-from flatrig.models.chain import links
 from flatrig.models.rig import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Sheave, Trolley
 
 X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
@@ -78,19 +78,7 @@ def rig(request):
     return RIGS[request.param]
 
 
-def random_states(rig, count=20):
-    """Joint positions about home, velocities, and inputs within the drives' limits."""
-    generator = np.random.default_rng(7)
-    home = np.array([value for link in links(rig) for value in link.home])
-    limits = np.array([drive.limit for drive in rig.drives])
-    return (
-        home + generator.uniform(-0.8, 0.8, (count, len(home))),
-        generator.uniform(-1, 1, (count, len(home))),
-        limits * generator.uniform(-1, 1, (count, len(limits))),
-    )
-
-
-def test_kinetic_energy_is_that_of_masses_winches_and_sheaves(rig):
+def test_kinetic_energy_is_that_of_masses_winches_and_sheaves(rig, random_states):
     """With the potential, which is plain, this fixes the whole left side of the equations."""
     model = mjcf.compile(rig, visuals=False)
     qpos, qvel, _ = random_states(rig)
@@ -102,7 +90,7 @@ def test_kinetic_energy_is_that_of_masses_winches_and_sheaves(rig):
     for rope in rig.ropes:
         expected = expected + rope.inertia_along * spans[rope.name][1].sum(-1) ** 2
         for sheave in rope.sheaves:
-            after = spans[rope.name][1][:, rope.path.index(sheave.at) :].sum(-1)
+            after = spans[rope.name][1][:, rope.after(sheave) :].sum(-1)
             expected = expected + sheave.inertia / sheave.radius**2 * after**2
     for k in range(len(qpos)):
         data.qpos[:], data.qvel[:] = qpos[k], qvel[k]
@@ -111,7 +99,22 @@ def test_kinetic_energy_is_that_of_masses_winches_and_sheaves(rig):
         assert data.energy[1] == pytest.approx(0.5 * expected[k], rel=1e-12)
 
 
-def test_power_of_inputs_and_gravity(rig):
+def test_a_sheave_turns_with_the_rope_beyond_it_even_at_the_winch():
+    """A rope that comes back to the anchor of its winch: the sheave is where it passes again."""
+    rig = dataclasses.replace(
+        GANTRY,
+        ropes=(
+            Rope(
+                "hoist", ("winch", "trolley", "winch", "load"), 0.2, 0.3,
+                (Sheave("winch", 0.05, 0.1),),
+            ),
+        ),
+    )  # fmt: skip
+    scene = mjcf.spec(rig, visuals=False)
+    assert [wrap.target.name for wrap in scene.tendon("hoist.winch").path] == ["winch", "load"]
+
+
+def test_power_of_inputs_and_gravity(rig, random_states):
     """d/dt of the kinetic energy is what the inputs and gravity put in (work of the inputs)."""
     model = mjcf.compile(rig, visuals=False)
     qpos, qvel, ctrl = random_states(rig)
@@ -138,7 +141,7 @@ def test_power_of_inputs_and_gravity(rig):
         assert change == pytest.approx(power[k], rel=1e-5, abs=1e-4 * abs(power).max())
 
 
-def test_points_and_sensors_agree_with_mujoco(rig):
+def test_points_and_sensors_agree_with_mujoco(rig, random_states):
     model = mjcf.compile(rig)
     qpos, qvel, _ = random_states(rig)
     values, rates = state.coordinates(rig, model, state.State(qpos, qvel))
@@ -160,7 +163,7 @@ def test_points_and_sensors_agree_with_mujoco(rig):
             np.testing.assert_allclose(slope, still[name][order + 1], atol=1e-7)
 
 
-def test_joint_state_and_back(rig):
+def test_joint_state_and_back(rig, random_states):
     model = mjcf.compile(rig, visuals=False)
     qpos, qvel, _ = random_states(rig)
     values, rates = state.coordinates(rig, model, state.State(qpos, qvel))
@@ -171,6 +174,45 @@ def test_joint_state_and_back(rig):
     single = state.joint_state(rig, model, {name: value[3] for name, value in values.items()})
     np.testing.assert_allclose(single.qpos, qpos[3], atol=1e-12)
     assert not single.qvel.any()
+
+
+def test_joint_state_takes_the_columns_of_a_motion():
+    """Names that feedforward adds are left aside; others are mistakes."""
+    rig = models.rotary_crane()
+    model = mjcf.compile(rig, visuals=False)
+    home = {"bridge.angle": 0.0, "trolley.position": 5.0}
+    home |= {"load.x": 5.0, "load.y": 0.0, "load.z": -5.0}
+    motion = solve(rig, from_move(models.default_move(rig.name)), [0.0, 20.0])
+    columns = dict(zip(motion.coordinate_names, motion.positions.T, strict=True))
+    rates = dict(zip(motion.coordinate_names, motion.velocities.T, strict=True))
+    assert set(columns) > set(rig.coordinate_names)
+    found = state.joint_state(rig, model, columns, rates)
+    np.testing.assert_allclose(
+        found.qpos[0], state.joint_state(rig, model, home).qpos, rtol=0, atol=1e-9
+    )
+    spans = models.roped_overhead_crane()
+    values = {"trolley.position": 0.0, "load.x": 0.0, "load.z": -4.0, "hoist.span1": 3.0}
+    assert not state.joint_state(spans, mjcf.compile(spans), values).qvel.any()
+
+
+@pytest.mark.parametrize(
+    ("values", "rates", "message"),
+    [
+        ({"load.x": np.nan}, {}, r"coordinate load\.x is nan, it must be finite"),
+        ({"load.x": [0.0, np.inf]}, {}, r"coordinate load\.x is inf, it must be finite"),
+        ({"load.x": "left"}, {}, r"coordinate load\.x is 'left', it must be finite numbers"),
+        ({}, {"load.x": np.nan}, r"rate of load\.x is nan, it must be finite"),
+        ({}, {"trolly.position": 1.0}, r"no coordinate trolly\.position; did you mean trolley\.po"),
+        ({"load.X": 1.0}, {}, r"overhead_crane has no coordinate load\.X; did you mean load\."),
+        ({"hoist.span1": 1.0}, {}, r"no coordinate hoist\.span1"),
+        ({"load.x": [0, 0]}, {"load.z": [0, 0, 0]}, r"have shapes \(2,\) and \(3,\), they must"),
+    ],
+)
+def test_joint_state_refuses_what_cannot_be(values, rates, message):
+    rig = models.overhead_crane()
+    home = {"trolley.position": 0.0, "load.x": 0.0, "load.z": -4.0}
+    with pytest.raises(ModelError, match=message):
+        state.joint_state(rig, mjcf.compile(rig, visuals=False), home | values, rates)
 
 
 def test_coordinates_are_copies():

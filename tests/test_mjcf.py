@@ -8,7 +8,7 @@ import pytest
 
 from flatrig import models
 from flatrig.models import ModelError, armature, mjcf, run, state
-from flatrig.models.chain import joint_names, links
+from flatrig.models.chain import joint_names
 
 RIGS = [*models.CATALOGUE, "cantilever", "gantry", "planar navy", "navy"]
 
@@ -16,18 +16,6 @@ RIGS = [*models.CATALOGUE, "cantilever", "gantry", "planar navy", "navy"]
 @pytest.fixture(params=RIGS)
 def rig(request, other_rigs):
     return other_rigs.get(request.param) or models.make(request.param)
-
-
-def random_states(rig, count=20):
-    """Joint positions about home, velocities, and inputs within the drives' limits."""
-    generator = np.random.default_rng(7)
-    home = np.array([value for link in links(rig) for value in link.home])
-    limits = np.array([drive.limit for drive in rig.drives])
-    return (
-        home + generator.uniform(-0.8, 0.8, (count, len(home))),
-        generator.uniform(-1, 1, (count, len(home))),
-        limits * generator.uniform(-1, 1, (count, len(limits))),
-    )
 
 
 def lagrange(mass, force, gradient, curvature):
@@ -65,7 +53,7 @@ def rotary_dae(phi, s, rope, p, dphi, ds, dl, dp, u):
 
 
 @pytest.mark.parametrize("visuals", [True, False])
-def test_overhead_accelerations(visuals):
+def test_overhead_accelerations(visuals, random_states):
     rig = models.overhead_crane()
     model = mjcf.compile(rig, visuals=visuals)
     qpos, qvel, ctrl = random_states(rig)
@@ -83,7 +71,7 @@ def test_overhead_accelerations(visuals):
         np.testing.assert_allclose(tension[k, 0], force, rtol=1e-10)
 
 
-def test_rotary_accelerations():
+def test_rotary_accelerations(random_states):
     rig = models.rotary_crane()
     model = mjcf.compile(rig, visuals=False)
     qpos, qvel, ctrl = random_states(rig)
@@ -202,8 +190,11 @@ def test_wrong_options():
     rig = models.overhead_crane()
     with pytest.raises(ModelError, match="no integrator 'RK5'; did you mean RK4"):
         mjcf.compile(rig, integrator="RK5")
-    with pytest.raises(ModelError, match=r"timestep is -1\.0 s"):
-        mjcf.compile(rig, timestep=-1.0)
+    with pytest.raises(ModelError, match="no integrator 3; known are EULER, RK4"):
+        mjcf.compile(rig, integrator=3)
+    for timestep in (-1.0, 0, math.inf, math.nan, None, "1", True):
+        with pytest.raises(ModelError, match=rf"timestep is {timestep!r} s, it must be a number"):
+            mjcf.compile(rig, timestep=timestep)
     other = mjcf.compile(models.rotary_crane())
     with pytest.raises(ModelError, match="has 5 joints, rig overhead_crane has 3"):
         state.coordinates(rig, other, state.State(other.qpos0, np.zeros(5)))

@@ -254,7 +254,15 @@ def test_from_move():
         (lambda: three_phase(START, GOAL, 20, 12), "blend is 12 s, it must be at most half of the"),
         (lambda: three_phase(START, GOAL, 20, 0), "blend is 0 s, it must be > 0"),
         (lambda: three_phase(START, GOAL, 20, 5, 0), "order is 0, it must be a whole number from"),
-        (lambda: ThreePhase(0.7), "blend is 0.7 of the duration, it must be > 0 and <= 0.5"),
+        (lambda: ThreePhase(0.7), "blend is 0.7 of the duration, it must be from 1e-06 to 0.5"),
+        (lambda: ThreePhase("x"), "blend is 'x' of the duration, it must be from 1e-06 to 0.5"),
+        (lambda: three_phase(START, GOAL, 1e9, 1), "blend is 1 s, it must be at least 1e-06 of"),
+        (lambda: rest_to_rest(START, GOAL, 10**400), "duration is inf s, it must be > 0"),
+        (lambda: rest_to_rest(START, GOAL, True), "duration is True, it must be > 0"),
+        (lambda: rest_to_rest((-1e308, 0), (1e308, 0), 3), "start is (-1e+308, 0.0), it must be"),
+        (lambda: rest_to_rest(START, (0, 2e12), 3), "goal is (0.0, 2000000000000.0), it must be w"),
+        (lambda: hold(1e13), "position is (10000000000000.0,), it must be within +-1e+12"),
+        (lambda: hold(START).derivatives([0], 31), "order of the derivatives is 31, it must be a"),
         (lambda: hold((1, float("inf"))), "position is (1, inf), it must be one finite number"),
         (lambda: hold(START).derivatives([0], -1), "order of the derivatives is -1, it must be"),
         (lambda: hold(START)([0, np.nan]), "times[1] is NaN, it must be a time in s"),
@@ -274,3 +282,22 @@ def test_any_order_is_the_sum_of_its_bernstein_polynomials():
     degree = 2 * n + 1
     truth = sum(comb(degree, k) * s**k * (1 - s) ** (degree - k) for k in range(n + 1, degree + 1))
     np.testing.assert_allclose(RestToRest(n).derivatives(s, 0)[0], truth, rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        rest_to_rest([-1e12], [1e12], 1e-6, order=100),
+        rest_to_rest([-1e12], [1e12], 1e9, order=100),
+        three_phase([-1e12], [1e12], 1.0, 1e-6, order=100),
+        three_phase([-1e12], [1e12], 2e-6, 1e-6, order=100),
+        three_phase([-1e12], [1e12], 1e9, 1e3, order=100),
+        sampled([0, 1e-6], [[-1e12], [1e12]], order=10),
+        sampled([0, 1e9], [[-1e12], [1e12]], order=10),
+    ],
+)
+def test_no_derivative_overflows(path):
+    """At the limits of what a path may be, and at any time."""
+    blend = path.duration * getattr(getattr(path, "profile", None), "blend", 1.0)
+    times = np.concatenate([np.linspace(0, blend, 101), [path.duration, 1e308, -1e308]])
+    assert np.isfinite(path.derivatives(times, 30)).all()

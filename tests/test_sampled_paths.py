@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flatrig.feedforward.reference import from_move, rest_to_rest
-from flatrig.feedforward.sampled import from_csv, sampled
+from flatrig.feedforward.sampled import SampledPath, from_csv, sampled
 from flatrig.models.errors import PathError
 from flatrig.models.move import Move
 
@@ -138,6 +138,13 @@ def test_from_sampled_move(tmp_path):
         (lambda: sampled([0, 1], [[1], ["a"]]), "points must be numbers"),
         (lambda: sampled([0, 1], [[1], [2]], 11), "order is 11, it must be a whole number from 0"),
         (lambda: sampled([0, 1], [[1], [2]], tolerance=-1), "tolerance is -1, it must be finite"),
+        (lambda: sampled([0, 1], [[1], [2]], tolerance="x"), "tolerance is 'x', it must be finite"),
+        (lambda: sampled([0, 1], [[1], [2]], tolerance=None), "tolerance is None, it must be fin"),
+        (lambda: sampled([0, 1], [[1], [2e12]]), "point 1, column 2 is 2e+12, it must be within"),
+        (lambda: sampled([-1e308, 1e308], [[1], [2]]), "point 0, column 1 is -1e+308, it must be"),
+        (lambda: SampledPath((0, 1), ((1,), (2, 3))), "points must be numbers, of shape (N, size)"),
+        (lambda: SampledPath((0, "a"), ((1,), (2,))), "times must be numbers in s"),
+        (lambda: sampled([0, 1], [[1], [2]]).derivatives([0], 31), "order of the derivatives is"),
         (lambda: sampled([0, 1e-300], [[1], [2]]), "duration is 1e-300 s, it must be > 0"),
         (lambda: sampled([0, 1e-300, 1], [[1], [2], [3]]), "the points are too unevenly spaced"),
     ],

@@ -1,6 +1,7 @@
 """Scenes for people and for plain MuJoCo: stored XML, open-loop runs, cameras, pictures."""
 
 import math
+import sys
 
 import mujoco
 import numpy as np
@@ -21,20 +22,8 @@ def rig(request, other_rigs):
     return other_rigs.get(request.param) or models.make(request.param)
 
 
-def random_states(rig, count=20):
-    """Joint positions about home, velocities, and inputs within the drives' limits."""
-    generator = np.random.default_rng(7)
-    home = np.array([value for link in links(rig) for value in link.home])
-    limits = np.array([drive.limit for drive in rig.drives])
-    return (
-        home + generator.uniform(-0.8, 0.8, (count, len(home))),
-        generator.uniform(-1, 1, (count, len(home))),
-        limits * generator.uniform(-1, 1, (count, len(limits))),
-    )
-
-
 @pytest.mark.parametrize("name", CATALOGUE)
-def test_exported_scenes_are_current_and_stand_alone(name, tmp_path):
+def test_exported_scenes_are_current_and_stand_alone(name, tmp_path, random_states):
     rig, stored = models.make(name), export.FOLDER / f"{name}.xml"
     assert stored.read_text() == export.xml(rig), "run `python -m flatrig.models.export`"
     (tmp_path / "alone.xml").write_text(stored.read_text())
@@ -94,6 +83,25 @@ def test_run_refuses_what_cannot_be():
         run.run(model, *start, np.array([[0, 0], [np.nan, 0]]))
     with pytest.raises(ModelError, match="breaks down"):
         run.run(model, *start, np.full((50, 2), 1e13))
+    with pytest.raises(ModelError, match="controls must be an array of numbers"):
+        run.run(model, *start, "ab")
+    still = np.zeros((3, 2))
+    with pytest.raises(ModelError, match=r"qpos has shape \(2,\), it must be \(3,\)"):
+        run.run(model, start[0][:2], start[1], still)
+    with pytest.raises(ModelError, match=r"qvel has shape \(1, 3\), it must be \(3,\)"):
+        run.run(model, start[0], start[1][None], still)
+    with pytest.raises(ModelError, match=r"qpos is \[nan, 0.0, 0.0\], it must be finite"):
+        run.run(model, [np.nan, 0, 0], start[1], still)
+
+
+def test_run_without_steps_is_the_start():
+    model = mjcf.compile(models.overhead_crane(), visuals=False)
+    start = np.array([1.0, 2.0, 3.0])
+    found = run.run(model, start, 2 * start, np.zeros((0, model.nu)))
+    np.testing.assert_array_equal(found.qpos, [start])
+    np.testing.assert_array_equal(found.qvel, [2 * start])
+    found.qpos[:] = 0
+    assert start.all()
 
 
 def corners_in_picture(model, camera, spots):
@@ -173,14 +181,29 @@ def test_pictures_refuse_what_cannot_be(tmp_path):
     model = mjcf.compile(models.overhead_crane())
     with pytest.raises(OptionError, match=r"qpos has shape \(2, 2\), it must be \(2, 3\)"):
         next(render.frames(model, np.zeros((2, 2)), [0.0, 1.0]))
+    for times in ([], 1.0):
+        with pytest.raises(OptionError, match=r"times have shape .*, they need shape \(N,\)"):
+            next(render.frames(model, np.zeros((0, 3)), times))
+    with pytest.raises(OptionError, match="times must rise"):
+        next(render.frames(model, np.zeros((2, 3)), [1.0, 0.0]))
+    with pytest.raises(OptionError, match="must be finite"):
+        next(render.frames(model, np.zeros((2, 3)), [0.0, np.nan]))
+    with pytest.raises(OptionError, match="must be numbers"):
+        next(render.frames(model, np.zeros((2, 3)), [0.0, "b"]))
+    for fps in (0, -1, math.inf, math.nan, 1e-300, "25"):
+        with pytest.raises(OptionError, match=rf"fps is {fps!r}, it must be > 0"):
+            next(render.frames(model, np.zeros((2, 3)), [0.0, 1.0], fps=fps))
+        with pytest.raises(OptionError, match=rf"fps is {fps!r}, it must be > 0"):
+            render.save_animation(tmp_path / "crane.gif", [np.zeros((8, 8, 3), np.uint8)], fps=fps)
+    assert not list(tmp_path.iterdir())
     with pytest.raises(OptionError, match="4000 x 480"):
         render.renderer(model, 4000, 480)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have a backend of their own")
 def test_no_backend_is_one_clear_line(monkeypatch):
     monkeypatch.delenv("MUJOCO_GL", raising=False)
     monkeypatch.setattr(render, "_works", lambda name: False)
-    monkeypatch.setattr(render.sys, "modules", {})
-    monkeypatch.setattr(render.sys, "platform", "linux")
+    monkeypatch.setattr(render, "_imported", lambda name: False)
     with pytest.raises(ModelError, match="install one of them"):
         render.backend.__wrapped__()
