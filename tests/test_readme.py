@@ -1,0 +1,46 @@
+"""What the README shows runs, and its example crane works everywhere."""
+
+import re
+from pathlib import Path
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+from flatrig import envs, feedforward, models
+
+ROOT = Path(__file__).resolve().parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+
+
+def test_there_are_examples():
+    assert len(BLOCKS) >= 2
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_python_blocks_run(block, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    exec(compile(block, "README.md", "exec"), {})
+
+
+@pytest.mark.parametrize("target", re.findall(r"\]\((?!https?:)([^)#]+)\)", README))
+def test_links_lead_somewhere(target):
+    assert (ROOT / target).exists()
+
+
+def test_one_s_own_crane_gets_everything_from_its_file():
+    rig, move = models.load(ROOT / "docs" / "workshop_crane.toml")
+    reference = feedforward.from_move(move)
+    motion = feedforward.solve(rig, reference, np.linspace(0, reference.duration, 101))
+    assert not motion.slack
+    assert models.compile(rig).nu == 3
+    env = gym.make("flatrig/OverheadCrane-v0", rig=rig, reference=reference)
+    env = envs.Feedforward(envs.PD(env))
+    _, info = env.reset(seed=0)
+    largest, over = 0.0, False
+    while not over:
+        _, _, terminated, over, info = env.step(np.zeros(3))
+        assert not terminated
+        largest = max(largest, float(np.linalg.norm(info["load"] - info["reference"])))
+    assert largest < 1e-3
