@@ -49,7 +49,7 @@ bench: $(VENV)/.core  ## measure the solver and the environments on this machine
 	$(BIN)/flatrig bench
 
 scenes: $(VENV)/.core  ## write the default scenes to models/*.xml
-	$(BIN)/python -m flatrig.models.export
+	$(BIN)/flatrig scenes
 
 train: $(VENV)/.dev  ## train the residual policies of the overhead and the rotary crane
 	$(BIN)/flatrig train overhead

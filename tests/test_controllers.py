@@ -99,7 +99,6 @@ def test_holding_inputs_stand_only_once(name):
         lambda env: envs.PD(envs.Feedforward(env)),
         lambda env: envs.PD(env),
         lambda env: envs.Feedforward(env),
-        lambda env: envs.PD(envs.PD(env)),
     ):
         env = stack(make(name, reference=rest))
         env.reset(seed=0)
@@ -134,8 +133,9 @@ def test_pd_sees_encoders_only():
     env = envs.PD(make())
     env.reset(seed=0)
     before = env.law.apply(np.zeros((1, 2)))
-    task = task_of(env)
-    task.plant.outputs[...] += 1.0
+    plant = task_of(env).plant
+    for truth in (plant.outputs, plant.qpos, plant.qvel):
+        truth[...] += 1.0
     assert np.array_equal(env.law.apply(np.zeros((1, 2))), before)
 
 
@@ -183,10 +183,21 @@ def test_only_the_environment_clips():
         (lambda env: envs.PD(env, track="goal"), "track is 'goal'"),
         (lambda env: envs.PD(env, stiffness=(1.0, 2.0, 3.0)), "2 numbers >= 0"),
         (lambda env: envs.PD(env, damping=-1.0), "one for each of trolley, winch"),
+        (lambda env: envs.PD(env, stiffness="abc"), "stiffness is 'abc'"),
         (lambda env: envs.Residual(env, fraction=0.0), "fraction is 0.0"),
+        (lambda env: envs.Residual(env, fraction="a"), "fraction is 'a'"),
+        (lambda env: envs.PD(None), "None is not an environment"),
+        (lambda env: envs.PD(envs.Residual(env)), "PD above Residual .*put Residual on top"),
+        (lambda env: envs.Feedforward(envs.Residual(envs.PD(env))), "put Residual on top"),
+        (lambda env: envs.Residual(envs.Residual(env)), "Residual stands below already"),
+        (lambda env: envs.PD(envs.PD(env)), "PD stands below already"),
+        (lambda env: envs.PD(envs.Feedforward(envs.PD(env))), "PD stands below already"),
+        (lambda env: envs.Feedforward(envs.Feedforward(env)), "Feedforward stands below"),
+        (lambda env: envs.Feedforward(envs.PD(envs.Feedforward(env))), "Feedforward stands below"),
         (lambda env: envs.PD(gym.make("CartPole-v1")), "not an environment of flatrig"),
     ],
 )
 def test_wrong_options_get_one_line(build, message):
-    with pytest.raises(models.OptionError, match=message):
-        build(make())
+    for env in (make(), gym.make_vec(OVERHEAD, num_envs=2)):
+        with pytest.raises(models.OptionError, match=message):
+            build(env)

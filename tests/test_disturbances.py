@@ -44,15 +44,33 @@ def test_a_design_is_the_same_for_the_same_seed_and_covers_its_ranges():
 
 
 def test_every_controller_meets_the_same_scenario():
-    scenario = envs.design(envs.Disturbances.standard(models.overhead_crane()), 1, seed=0)[0]
-    starts = []
+    scenario, other = envs.design(envs.Disturbances.standard(models.overhead_crane()), 2, seed=0)
+    plants = []
     for build in (envs.PD, envs.Feedforward, lambda env: envs.PD(env, track="set point")):
         env = build(make(disturbances="standard"))
-        observation, info = env.reset(options={"scenario": scenario})
+        env.reset(options={"scenario": other})
+        before = in_plant(env)
+        _, info = env.reset(options={"scenario": scenario})
         assert info["scenario"] == scenario
-        starts.append(observation)
-    assert np.array_equal(starts[0], starts[1])
-    assert np.array_equal(starts[0], starts[2])
+        plants.append(in_plant(env))
+        assert all(
+            not np.array_equal(one, two) for one, two in zip(before, plants[-1], strict=True)
+        )
+    for plant in plants[1:]:
+        assert all(np.array_equal(one, two) for one, two in zip(plants[0], plant, strict=True))
+
+
+def in_plant(env):
+    """What a scenario has changed in the only simulation: masses, friction, wind, delay."""
+    task = env.unwrapped.task
+    plant, wind = task.plant, task.plant._wind
+    return (
+        plant._masses[0].copy(),
+        plant._friction._on_tendon[0].copy(),
+        plant._friction._on_joint[0].copy(),
+        np.array((wind._steady[0], wind._gust[0], wind._rate[0], wind._phase[0])),
+        task._commands._periods.copy(),
+    )
 
 
 def test_the_same_scenario_is_the_same_episode_single_or_vector():
@@ -231,6 +249,9 @@ def test_a_scenario_from_the_middle_of_the_cube():
         ({"load_mass": 0.0}, "load_mass is 0"),
         ({"wind": np.nan}, "wind is nan"),
         ({"winch_friction": -1.0}, "winch_friction is -1"),
+        ({"wind": "a"}, "wind is 'a', it must be a finite number"),
+        ({"gust": 5.0}, "a gust needs a frequency"),
+        ({"encoder_resolution": (0.0, 0.1)}, "encoder_resolution is"),
         ({"delay": 1.5}, "whole number"),
         ({"delay": 99}, "at most 31"),
     ],
@@ -243,5 +264,17 @@ def test_wrong_scenarios_get_one_line(values, message):
 def test_wrong_ranges_get_one_line():
     with pytest.raises(models.OptionError, match=r"must be \(low, high\)"):
         envs.Disturbances(wind=3.0)
+    with pytest.raises(models.OptionError, match="wind is 'a'"):
+        envs.Disturbances(wind=("a", "b"))
+    with pytest.raises(models.OptionError, match="gusts need frequencies"):
+        envs.Disturbances(gust=(0.0, 50.0))
     with pytest.raises(models.OptionError, match="number of scenarios is 0"):
         envs.design(envs.Disturbances(), 0, seed=0)
+    with pytest.raises(models.OptionError, match="seed is -1"):
+        envs.design(envs.Disturbances(), 1, seed=-1)
+
+
+def test_directions_are_drawn_for_ranges_below_zero_too():
+    scenarios = envs.design(envs.Disturbances(swing=(-0.2, 0.0)), 3, seed=0)
+    assert all(scenario.swing_direction > 0 for scenario in scenarios)
+    assert all(scenario.wind_direction == 0 for scenario in scenarios)

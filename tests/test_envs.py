@@ -5,6 +5,7 @@ import warnings
 from dataclasses import replace
 
 import gymnasium as gym
+import mujoco
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
@@ -104,6 +105,10 @@ def test_single_and_vector_agree_to_the_last_bit(name, reference):
             assert info["reason"] == infos["reason"][index]
             for key in ("load", "reference", "tension", "input"):
                 assert np.array_equal(info[key], infos[key][index])
+            for term, value in info["reward_terms"].items():
+                assert value == infos["reward_terms"][term][index]
+            if "scenario" in info:
+                assert info["scenario"] == infos["scenario"][index]
             over[index] = ended or late
             endings += over[index]
     assert endings
@@ -205,7 +210,7 @@ def test_what_flies_away_ends_the_episode():
 
 
 def test_a_state_that_is_not_a_number_ends_the_episode(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # MuJoCo writes a log
+    monkeypatch.chdir(tmp_path)
     env = make(sensors="full")
     env.reset(seed=0)
     env.unwrapped.task.plant.qvel[0, 1] = np.nan
@@ -215,6 +220,7 @@ def test_a_state_that_is_not_a_number_ends_the_episode(tmp_path, monkeypatch):
     assert reward == 0.0
     assert np.isfinite(observation).all()
     assert all(np.isfinite(array).all() for array in leaves(info))
+    assert not list(tmp_path.iterdir())  # MuJoCo would leave a log
 
 
 def last_reason(action):
@@ -240,16 +246,48 @@ def test_time_truncates():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_tension_is_the_exact_one(name):
+    """As in a model of its own with the scenario's masses and friction, after `mj_forward`."""
     env = make(name, disturbances="standard")
-    env.reset(seed=1)
-    plant = env.unwrapped.task.plant
-    act = noise(env.unwrapped.task, 1)
-    for _ in range(10):
-        *_, info = env.step(act())
-    friction = plant._friction.read()
-    state = (plant.qpos, plant.qvel, plant.batch.bind("qacc"), plant.ctrl)
-    exact = tensions(plant.rig, *state, friction)[0]
-    assert np.allclose(info["tension"], exact, rtol=1e-12)
+    scenario = env.reset(seed=1)[1]["scenario"]
+    rubbing = (scenario.winch_friction, scenario.trolley_friction)
+    shared = 2.0 * np.prod(rubbing) / np.sum(rubbing)  # by a rope and a trolley on one joint
+    bound = 1e-6 + (shared if name == NAMES[1] else 0.0)
+    act = noise(env.unwrapped.task, 1, 0.02)
+    most = 0.0
+    for step in range(40):
+        *_, info = env.step(act() * (1.0 + 0.15 * np.sin(0.2 * step)))
+        exact, friction = mujoco_tensions(env.unwrapped.task.plant, scenario)
+        assert np.abs(info["tension"] - exact).max() <= bound
+        most = max(most, np.abs(friction).max())
+    assert most > 0.9 * rubbing[0]  # it slips
+
+
+def mujoco_tensions(plant, scenario):
+    """Tensions of the ropes, and the friction along them that MuJoCo's solver found."""
+    rig = plant.rig
+    model = models.compile(rig, visuals=False, friction=True)
+    for load in rig.loads:
+        model.body(load.name).mass *= scenario.load_mass
+    tendons = {model.tendon(index).name: index for index in range(model.ntendon)}
+    for drive in rig.drives:
+        if drive.on in {rope.name for rope in rig.ropes}:
+            model.tendon_frictionloss[tendons[drive.on]] = scenario.winch_friction
+    for trolley in rig.trolleys:
+        if trolley.coordinate in tendons:
+            model.tendon_frictionloss[tendons[trolley.coordinate]] = scenario.trolley_friction
+        else:
+            model.joint(trolley.coordinate).frictionloss = scenario.trolley_friction
+    data = mujoco.MjData(model)
+    mujoco.mj_setConst(model, data)
+    for name in ("qpos", "qvel", "ctrl", "xfrc_applied"):
+        getattr(data, name)[:] = plant.batch.bind(name)[0]
+    data.qacc_warmstart[:] = plant.batch.bind("qacc")[0]
+    mujoco.mj_forward(model, data)
+    friction = np.zeros(len(rig.ropes))
+    for kind, index, force in zip(data.efc_type, data.efc_id, data.efc_force, strict=True):
+        if kind == mujoco.mjtConstraint.mjCNSTR_FRICTION_TENDON and index < len(friction):
+            friction[index] += force
+    return tensions(rig, data.qpos, data.qvel, data.qacc, data.ctrl, friction), friction
 
 
 def test_tension_where_spans_are_not_affine(other_rigs):
@@ -308,6 +346,15 @@ def test_random_references_differ_and_can_be_followed(name):
         ({"timestep": np.nan}, "timestep is nan"),
         ({"sensors": "all"}, "sensors is 'all'"),
         ({"hold": -1.0}, "hold is -1"),
+        ({"hold": None}, "hold is None, it must be a finite number >= 0"),
+        ({"hold": np.inf}, "hold is inf s"),
+        ({"rate": "50"}, "rate is '50'"),
+        ({"rate": True}, "rate is True"),
+        ({"nthread": 1.5}, "nthread is 1.5, it must be a whole number >= 1"),
+        ({"nthread": -1}, "nthread is -1"),
+        ({"disturbances": {"wind": ("a", "b")}}, "wind is 'a'"),
+        ({"disturbances": {"encoder_resolution": (0, 0.1)}}, "encoder_resolution is "),
+        ({"disturbances": {3: 4}}, "no disturbance 3"),
         ({"reference": "circle"}, "reference is 'circle'"),
         ({"disturbances": {"winds": (0, 1)}}, "did you mean wind"),
         ({"disturbances": {"wind": (2, 1)}}, "low must not exceed"),
@@ -331,15 +378,107 @@ def test_wrong_options_get_one_line(options, message):
     assert "\n" not in str(caught.value)
 
 
-def test_wrong_actions_and_reset_options_get_one_line():
-    env = make()
-    with pytest.raises(models.FlatrigError, match="did you mean scenario"):
-        env.reset(options={"scenarii": 1})
-    env.reset()
-    with pytest.raises(models.FlatrigError, match="shape"):
-        env.step([0.0, 0.0, 0.0])
-    with pytest.raises(models.FlatrigError, match="not a number"):
-        env.step([0.0, np.nan])
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"scenarii": 1}, "did you mean scenario"),
+        ({3: 1}, "no option 3"),
+        (["scenario"], "must be a dictionary"),
+        ({"scenario": 3}, "scenario is 3, it must be a Scenario"),
+        ({"scenario": {"wind": 1.0}}, "must be a Scenario"),
+        ({"reference": "random"}, "reference is 'random', it must be a Reference or a Move"),
+        ({"reference": 3}, "reference is 3"),
+        ({"scenario": envs.Scenario(load_mass=1.3, winch_friction=1.0)}, "made without"),
+    ],
+)
+def test_wrong_reset_options_get_one_line_and_change_nothing(options, message):
+    env, other = make(), make()
+    env.reset(seed=0)
+    other.reset(seed=0)
+    with pytest.raises(models.FlatrigError, match=message) as caught:
+        env.reset(options=options)
+    assert "\n" not in str(caught.value)
+    for _ in range(3):
+        assert np.array_equal(env.step([0.1, -0.45])[0], other.step([0.1, -0.45])[0])
+    assert env.unwrapped.task.scenarios == other.unwrapped.task.scenarios
+
+
+def test_a_sampler_must_give_a_reference():
+    with pytest.raises(models.OptionError, match="reference is None"):
+        make(reference=lambda generator: None).reset()
+
+
+@pytest.mark.parametrize("build", [lambda env: env, envs.PD, envs.Feedforward, envs.Residual])
+@pytest.mark.parametrize(
+    ("action", "message"),
+    [
+        ([0.0, 0.0, 0.0], r"shape \(3,\), it must have shape \(2,\)"),
+        (0.0, "shape"),
+        ("a", "must be numbers"),
+        (None, "shape"),
+        ([0.0, np.nan], "not a number"),
+    ],
+)
+def test_wrong_actions_get_one_line(build, action, message):
+    env = build(make())
+    env.reset(seed=0)
+    with pytest.raises(models.OptionError, match=message):
+        env.step(action)
+
+
+@pytest.mark.parametrize("build", [lambda env: env, envs.PD, envs.Feedforward, envs.Residual])
+def test_wrong_actions_for_a_vector_get_one_line(build):
+    vector = build(gym.make_vec(OVERHEAD, num_envs=3))
+    vector.reset(seed=0)
+    with pytest.raises(models.OptionError, match=r"shape \(2,\), it must have shape \(3, 2\)"):
+        vector.step([0.0, -0.5])
+
+
+def test_an_episode_must_begin_before_a_step():
+    with pytest.raises(models.OptionError, match="call reset before step"):
+        make().step([0.0, -0.5])
+    vector = gym.make_vec(OVERHEAD, num_envs=2)
+    vector.reset(options={"reset_mask": np.array([True, False])})
+    with pytest.raises(models.OptionError, match="call reset before step"):
+        vector.step(np.tile([0.0, -0.5], (2, 1)))
+    vector.reset(options={"reset_mask": np.array([False, True])})
+    vector.step(np.tile([0.0, -0.5], (2, 1)))
+
+
+def test_the_action_of_a_crane_that_begins_anew_does_not_matter():
+    vector = gym.make_vec(OVERHEAD, num_envs=2)
+    vector.reset(seed=0)
+    assert vector.step([[0.0, 1.0], [0.0, -0.5]])[2].tolist() == [True, False]
+    *_, info = vector.step([[np.nan, np.nan], [0.0, -0.5]])
+    assert info["scenario"] == [envs.Scenario()] * 2
+    with pytest.raises(models.OptionError, match="not a number"):
+        vector.step([[np.nan, np.nan], [0.0, -0.5]])
+
+
+def test_reward_terms_begin_at_one_and_rest_with_a_simulation_that_rests():
+    task = envs.CraneTask("overhead_crane", num=2)
+    generators = [np.random.default_rng(seed) for seed in range(2)]
+    task.reset(task.all, generators)
+    task.step([[0.3, -0.6], [0.3, -0.6]])
+    before = task.info()["reward_terms"]
+    task.step([[0.1, -0.4], [np.nan, np.nan]], task.all[:1])
+    after = task.info()["reward_terms"]
+    assert all(after[name][1] == before[name][1] < 1.0 for name in before)
+    assert after["smoothness"][0] != before["smoothness"][0]
+    task.reset(task.all[:1], generators[:1])
+    assert all(terms[0] == 1.0 for terms in task.info()["reward_terms"].values())
+
+
+def test_a_move_may_lead_to_the_very_end_of_a_rail():
+    rig = models.overhead_crane()
+    rig = replace(rig, rails=(replace(rig.rails[0], start=0.0, end=5.0),))
+    env = envs.Feedforward(envs.PD(make(rig=rig, hold=1.0)))
+    env.reset(seed=0)
+    over = False
+    while not over:
+        *_, terminated, over, info = env.step(np.zeros(2))
+        assert not terminated
+    assert info["reason"] == "time"
 
 
 def test_vector_seeds_masks_and_lists():
@@ -352,10 +491,53 @@ def test_vector_seeds_masks_and_lists():
     partly, _ = vector.reset(options={"reset_mask": mask}, seed=[4, None, None])
     assert np.array_equal(partly[0], first[0])
     assert not np.array_equal(partly[1], first[1])
-    with pytest.raises(models.FlatrigError, match="2 seeds for 3"):
-        vector.reset(seed=[1, 2])
-    with pytest.raises(models.FlatrigError, match="1 scenarios for 3"):
-        vector.reset(options={"scenarios": [envs.Scenario()]})
+    again, _ = vector.reset(seed=np.int64(4))
+    assert np.array_equal(first, again)
+    scenarios = np.array([envs.Scenario(load_mass=mass) for mass in (0.8, 1.0, 1.2)])
+    _, info = vector.reset(options={"scenarios": scenarios, "reset_mask": None})
+    assert info["scenario"] == scenarios.tolist()
+    present, _, _, _, before = vector.step(np.tile([0.0, -0.5], (3, 1)))
+    still, info = vector.reset(seed=0, options={"reset_mask": np.zeros(3, dtype=bool)})
+    assert np.array_equal(still, present)
+    assert np.array_equal(info["load"], before["load"])
+    assert info["scenario"] == scenarios.tolist()
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"seed": [1, 2]}, "seed has 2 entries for 3"),
+        ({"seed": -3}, "seed is -3, it must be a whole number >= 0"),
+        ({"seed": 1.5}, "seed is 1.5"),
+        ({"seed": [1, 2, "a"]}, "seed is 'a'"),
+        ({"options": {"scenarios": [envs.Scenario()]}}, "scenarios has 1 entries for 3"),
+        ({"options": {"scenarios": envs.Scenario()}}, "one for each"),
+        ({"options": {"scenarios": [None, None, 3]}}, "scenario is 3"),
+        ({"options": {"references": "abc"}}, "reference is 'a'"),
+        ({"options": {"references": []}}, "references has 0 entries"),
+        ({"options": {"reset_mask": np.ones(5, bool)}}, "it must be 3 booleans"),
+        ({"options": {"reset_mask": [0, 2]}}, "it must be 3 booleans"),
+        ({"options": {"reset_mask": [1, 0, 1]}}, "it must be 3 booleans"),
+    ],
+)
+def test_wrong_seeds_masks_and_lists_get_one_line(given, message):
+    vector = gym.make_vec(OVERHEAD, num_envs=3)
+    vector.reset(seed=0)
+    with pytest.raises(models.OptionError, match=message) as caught:
+        vector.reset(**given)
+    assert "\n" not in str(caught.value)
+
+
+def test_wrong_options_of_a_vector_get_one_line():
+    for options, message in (
+        ({"num_envs": 0}, "number of simulations is 0"),
+        ({"render_mode": "human"}, "render_mode is 'human', it must be rgb_array"),
+    ):
+        with pytest.raises(models.OptionError, match=message):
+            envs.CraneVectorEnv("overhead_crane", **options)
+    for seed in (-1, "a"):
+        with pytest.raises(models.OptionError, match="seed is"):
+            make().reset(seed=seed)
 
 
 @pytest.mark.parametrize(

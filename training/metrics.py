@@ -1,0 +1,176 @@
+"""What a run along a reference is worth: errors, swing, settling, effort, rope tension.
+
+Arrays hold T control periods of N scenarios; a run that ended early is marked by `alive`, and its
+load stays where it was while the reference moves on: giving up does not make a controller better.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SETTLED = 0.05
+"""The load has settled where its distance from the goal stays below this [m]."""
+RESAMPLES = 10_000
+"""Bootstrap resamples."""
+CONFIDENCE = 0.95
+"""Of the intervals."""
+_CHUNK = 500
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """What happened in N scenarios, at the end of each of T control periods."""
+
+    times: Array
+    """[s], shape (T,)."""
+    arrival: Array
+    """When the reference reaches its goal [s], shape (N,)."""
+    load: Array
+    """Position of the load [m], shape (T, N, p), z last."""
+    reference: Array
+    """Where it should be [m], shape (T, N, p)."""
+    inputs: Array
+    """As shares of their limits, shape (T, N, inputs)."""
+    tensions: Array
+    """[N], shape (T, N, ropes)."""
+    alive: NDArray[np.bool_]
+    """False from the period on in which the run ended early, shape (T, N)."""
+
+    @property
+    def distance(self) -> Array:
+        """Of the load from its reference [m], shape (T, N); after an early end the load rests."""
+        last = np.maximum(self.alive.sum(axis=0) - 1, 0)
+        rest = np.take_along_axis(self.load, last[None, :, None], axis=0)
+        load = np.where(self.alive[..., None], self.load, rest)
+        return np.asarray(np.linalg.norm(load - self.reference, axis=2))
+
+
+@dataclass(frozen=True, eq=False)
+class Metrics:
+    """One number for each of N scenarios."""
+
+    rmse: Array
+    """Root mean square distance of the load from its reference, over move and hold [m]."""
+    largest: Array
+    """Largest distance [m]."""
+    swing: Array
+    """Half of the load's horizontal travel, there and back, after arrival [m]; NaN for a run that
+    ended before."""
+    settling: Array
+    """Time from arrival until the load stays within SETTLED of the goal; at most the hold [s]."""
+    effort: Array
+    """Root mean square input, as a share of the limits."""
+    tension: Array
+    """Lowest tension of any rope [N]."""
+    failed: Array
+    """1 where the run ended early, else 0."""
+
+
+NAMES = tuple(item.name for item in fields(Metrics))
+
+
+def measure(record: Record) -> Metrics:
+    """The metrics of N runs."""
+    distance, alive = record.distance, record.alive
+    after = record.times[:, None] >= record.arrival - 1e-9
+    effort = np.square(record.inputs).mean(axis=2)
+    lowest = np.where(alive, record.tensions.min(axis=2), np.inf).min(axis=0)
+    return Metrics(
+        rmse=np.sqrt(np.square(distance).mean(axis=0)),
+        largest=distance.max(axis=0),
+        swing=_swing(record.load[..., :-1], after & alive),
+        settling=_settling(record.times, record.arrival, distance, after),
+        effort=np.sqrt(np.where(alive, effort, 0.0).sum(axis=0) / np.maximum(alive.sum(axis=0), 1)),
+        tension=np.where(np.isfinite(lowest), lowest, 0.0),
+        failed=np.asarray(~alive[-1], dtype=float),
+    )
+
+
+def _swing(horizontal: Array, counted: NDArray[np.bool_]) -> Array:
+    """Half the diagonal of the box that holds the counted positions (T, N, q); shape (N,)."""
+    mask = counted[..., None]
+    high = np.where(mask, horizontal, -np.inf).max(axis=0)
+    low = np.where(mask, horizontal, np.inf).min(axis=0)
+    travel = np.where(np.any(counted, axis=0, keepdims=True).T, high - low, np.nan)
+    return np.asarray(0.5 * np.linalg.norm(travel, axis=1))
+
+
+def _settling(times: Array, arrival: Array, distance: Array, after: NDArray[np.bool_]) -> Array:
+    """Time after arrival at which the distance was last above SETTLED, shape (N,)."""
+    away = after & (distance > SETTLED)
+    last = len(times) - 1 - away[::-1].argmax(axis=0)
+    period = times[1] - times[0] if len(times) > 1 else 0.0
+    settled = np.minimum(times[last] + period, times[-1]) - arrival
+    return np.where(away.any(axis=0), np.maximum(settled, 0.0), 0.0)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A mean with its confidence interval."""
+
+    mean: float
+    low: float
+    high: float
+
+    def format(self, digits: int) -> tuple[str, str]:
+        """Mean and interval as text."""
+        if not np.isfinite(self.mean):
+            return "-", ""
+        low, high = f"{self.low:.{digits}f}", f"{self.high:.{digits}f}"
+        return f"{self.mean:.{digits}f}", f"[{low}, {high}]"
+
+
+def paired_means(values: Array, seed: int = 0, resamples: int = RESAMPLES) -> Array:
+    """Bootstrap means of several controllers over the same scenarios.
+
+    Args:
+        values: shape (controllers, N), scenario by scenario the same; NaN where there is none.
+        seed: of the resampling.
+        resamples: number R of resamples.
+
+    Returns:
+        Shape (R, controllers); each row is the means over one resample of the scenarios, the
+        same for all controllers, so that differences and ratios of columns are paired.
+    """
+    rng = np.random.default_rng(seed)
+    count = values.shape[1]
+    there = np.isfinite(values)
+    numbers = np.where(there, values, 0.0)
+    rows = []
+    for first in range(0, resamples, _CHUNK):
+        size = min(_CHUNK, resamples - first)
+        weights = rng.multinomial(count, np.full(count, 1.0 / count), size=size)
+        with np.errstate(invalid="ignore"):  # a resample without any value has no mean
+            rows.append((weights @ numbers.T) / (weights @ there.T))
+    return np.concatenate(rows)
+
+
+def estimate(values: Array, resamples: Array) -> Estimate:
+    """The mean of `values` (N,) with the percentile interval of its `resamples` (R,)."""
+    there = values[np.isfinite(values)]
+    return _interval(float(there.mean()) if there.size else np.nan, resamples)
+
+
+def relative_change(values: Array, base: Array, seed: int = 0) -> Estimate:
+    """Mean of `values` over mean of `base`, minus 1, both (N,), with its paired interval."""
+    means = paired_means(np.stack((values, base)), seed)
+    ratio = float(values.mean() / base.mean()) if base.mean() else np.nan
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return _interval(ratio - 1.0, means[:, 0] / means[:, 1] - 1.0)
+
+
+def estimates(values: Sequence[Array], seed: int = 0) -> list[Estimate]:
+    """The mean of each controller's values (N,), with intervals from one paired resampling."""
+    means = paired_means(np.stack(values), seed)
+    return [estimate(one, column) for one, column in zip(values, means.T, strict=True)]
+
+
+def _interval(value: float, resamples: Array) -> Estimate:
+    tail = 50.0 * (1.0 - CONFIDENCE)
+    found = resamples[np.isfinite(resamples)]
+    low, high = np.percentile(found, (tail, 100.0 - tail)) if found.size else (np.nan, np.nan)
+    return Estimate(value, float(low), float(high))

@@ -1,0 +1,278 @@
+"""A trained residual policy, run in plain NumPy.
+
+    policy = Policy.load("training/policies/overhead_crane.json")
+    memory = policy.start(num)                       # for `num` simulations
+    action = policy(observation, memory)             # (num, actions) in [-1, 1]
+
+A policy is a small network with a memory.  Its inputs are the observation, its own last action,
+and both again through low-pass filters: a load that is heavier than thought, friction and wind
+show in the recent past, not in one reading of the encoders.  The network's output is what the
+action is drawn to, and it is asked only every few control periods: loads swing slowly, and what is
+tried for a tenth of a second teaches more than what is tried for a fiftieth.
+
+    features = (o, a, slow_1(o, a), slow_2(o, a), ...)
+    aim = shares clip(network(features))       every `every` periods
+    a <- a + smoothing (aim - a)               every period
+
+It is stored as two files of the same name: `.safetensors` for the numbers and `.json` for what
+they mean and how they were made.  Nothing is ever unpickled.
+"""
+
+import json
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from safetensors import SafetensorError
+from safetensors.numpy import load_file, save
+
+from ..models.errors import OptionError
+from ..models.files import replacing, write_text
+
+Array = NDArray[np.float64]
+
+FORMAT = 1
+"""Version of the files."""
+SHIPPED = Path(__file__).with_name("policies")
+"""Folder of the policies that come with the package."""
+CLIP = 10.0
+"""Features are clipped to this many standard deviations."""
+
+
+@dataclass(frozen=True)
+class Card:
+    """What a policy is for and how it was made."""
+
+    rig: str
+    """Name of the rig."""
+    observation_names: tuple[str, ...]
+    action_names: tuple[str, ...]
+    fraction: float
+    """Largest residual of any drive as a share of its limit."""
+    shares: tuple[float, ...]
+    """Largest residual of each drive as a share of that."""
+    rate: float
+    """Control rate [Hz]."""
+    sensors: str
+    """Of the environment."""
+    time_constants: tuple[float, ...]
+    """Of the memory's low-pass filters [s]."""
+    smoothing: float
+    """Share of the way that the action goes to its aim in one period, in (0, 1]."""
+    every: int
+    """Control periods from one decision of the network to the next."""
+    training: dict[str, Any] = field(default_factory=dict)
+    """Command, seed, steps, versions, results: what one needs to make it again."""
+    format: int = FORMAT
+
+    @property
+    def recall(self) -> "Recall":
+        """The memory's law."""
+        return Recall(
+            len(self.observation_names), len(self.action_names), 1.0 / self.rate,
+            self.time_constants, self.smoothing, self.every, self.shares,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Memory:
+    """Filters and last actions of a number of simulations; changed in place."""
+
+    action: Array
+    """Last action, shape (num, actions)."""
+    aim: Array
+    """Where it is drawn to, shape (num, actions)."""
+    slow: Array
+    """Filtered observations and actions, shape (num, filters, observations + actions)."""
+    age: NDArray[np.int64]
+    """Control periods since the episode began, shape (num,)."""
+
+    def reset(self, ids: NDArray[np.bool_] | slice = slice(None)) -> None:
+        """Forget the past of some simulations."""
+        self.action[ids] = 0.0
+        self.aim[ids] = 0.0
+        self.age[ids] = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Recall:
+    """The memory's law: features from observations, smooth actions from outputs."""
+
+    observations: int
+    actions: int
+    period: float
+    """Control period [s]."""
+    time_constants: tuple[float, ...]
+    smoothing: float
+    every: int
+    shares: tuple[float, ...]
+
+    @property
+    def features(self) -> int:
+        """Number of the network's inputs."""
+        return (self.observations + self.actions) * (1 + len(self.time_constants))
+
+    def start(self, num: int) -> Memory:
+        """A memory without a past, for `num` simulations."""
+        width = self.observations + self.actions
+        return Memory(
+            action=np.zeros((num, self.actions)),
+            aim=np.zeros((num, self.actions)),
+            slow=np.zeros((num, len(self.time_constants), width)),
+            age=np.zeros(num, dtype=np.int64),
+        )
+
+    def look(self, observation: Array, memory: Memory) -> Array:
+        """Take in an observation (num, observations); returns features (num, features)."""
+        now = np.concatenate((observation, memory.action), axis=1)
+        shares = np.array([-np.expm1(-self.period / tau) for tau in self.time_constants])
+        first = memory.age == 0
+        memory.slow[first] = now[first, None, :]
+        memory.slow[...] += shares[:, None] * (now[:, None, :] - memory.slow)
+        return np.concatenate((now, memory.slow.reshape(len(now), -1)), axis=1)
+
+    def aim(self, output: Array) -> Array:
+        """Where outputs of the network (num, actions) draw the action to."""
+        return np.asarray(np.clip(output, -1.0, 1.0) * np.array(self.shares))
+
+    def act(self, memory: Memory) -> Array:
+        """The action (num, actions) of this period; a copy."""
+        memory.action[...] += self.smoothing * (memory.aim - memory.action)
+        memory.age[...] += 1
+        return memory.action.copy()
+
+
+@dataclass(frozen=True, eq=False)
+class Policy:
+    """A network of tanh layers with a linear last one, and its memory."""
+
+    card: Card
+    weights: tuple[Array, ...]
+    """Of each layer, shape (outputs, inputs)."""
+    biases: tuple[Array, ...]
+    """Of each layer, shape (outputs,)."""
+    mean: Array
+    """Of the features in training, shape (features,)."""
+    scale: Array
+    """Standard deviations of the features in training, shape (features,)."""
+
+    @property
+    def recall(self) -> Recall:
+        """The memory's law."""
+        return self.card.recall
+
+    def start(self, num: int = 1) -> Memory:
+        """A memory for `num` simulations."""
+        return self.recall.start(num)
+
+    def __call__(self, observation: Array, memory: Memory) -> Array:
+        """The action (num, actions) in [-1, 1] for observations (num, observations)."""
+        recall = self.recall
+        features = recall.look(observation, memory)
+        due = memory.age % recall.every == 0
+        if due.any():
+            memory.aim[due] = recall.aim(self.network(features[due]))
+        return recall.act(memory)
+
+    def network(self, features: Array) -> Array:
+        """The network's output (num, actions) for features (num, features)."""
+        x = np.clip((features - self.mean) / self.scale, -CLIP, CLIP)
+        for i, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
+            x = x @ weight.T + bias
+            if i + 1 < len(self.weights):
+                x = np.tanh(x)
+        return np.asarray(x)
+
+    def check(self, observation_names: tuple[str, ...], action_names: tuple[str, ...]) -> None:
+        """Make sure that an environment offers what the policy was trained on.
+
+        Raises:
+            OptionError: it does not.
+        """
+        for what, has, needs in (
+            ("observations", observation_names, self.card.observation_names),
+            ("actions", action_names, self.card.action_names),
+        ):
+            if tuple(has) != tuple(needs):
+                odd = sorted(set(has) ^ set(needs)) or ["their order"]
+                raise OptionError(
+                    f"the policy for {self.card.rig} has other {what} than the environment: "
+                    f"{', '.join(odd)}"
+                )
+
+    def save(self, path: str | Path) -> None:
+        """Write `path` with the suffixes .safetensors and .json.
+
+        Raises:
+            OutputError: they cannot be written.
+        """
+        path = Path(path)
+        tensors = {"mean": self.mean, "scale": self.scale}
+        for i, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
+            tensors |= {f"layer{i}.weight": weight, f"layer{i}.bias": bias}
+        with replacing(path.with_suffix(".safetensors")) as beside:
+            beside.write_bytes(save({k: np.ascontiguousarray(v) for k, v in tensors.items()}))
+        write_text(path.with_suffix(".json"), json.dumps(asdict(self.card), indent=2) + "\n")
+
+    @classmethod
+    def load(cls, path: str | Path) -> "Policy":
+        """Read a policy from `path`, with either suffix or none.
+
+        Raises:
+            OptionError: a file is missing or is not a policy of this version.
+        """
+        path = Path(path)
+        try:
+            entries = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+            tensors = load_file(path.with_suffix(".safetensors"))
+            card = _card(entries)
+            layers = sum(name.endswith(".weight") for name in tensors)
+            policy = cls(
+                card=card,
+                weights=tuple(tensors[f"layer{i}.weight"] for i in range(layers)),
+                biases=tuple(tensors[f"layer{i}.bias"] for i in range(layers)),
+                mean=tensors["mean"],
+                scale=tensors["scale"],
+            )
+            policy._check_shapes()
+        except OSError as error:
+            name = error.filename or path
+            raise OptionError(f"cannot read policy {name}: {error.strerror or error}") from None
+        except (ValueError, KeyError, TypeError, AttributeError, SafetensorError) as error:
+            raise OptionError(f"{path} is not a flatrig policy: {error}") from None
+        return policy
+
+    def _check_shapes(self) -> None:
+        width = self.recall.features
+        for array in (self.mean, self.scale):
+            if array.shape != (width,):
+                raise ValueError(f"features have shape {array.shape}, not ({width},)")
+        for weight, bias in zip(self.weights, self.biases, strict=True):
+            if weight.shape != (len(bias), width):
+                raise ValueError(f"a layer has shape {weight.shape}, not ({len(bias)}, {width})")
+            width = len(bias)
+        if width != self.recall.actions or not self.weights:
+            raise ValueError(f"the last layer has {width} outputs, not {self.recall.actions}")
+        for array in (*self.weights, *self.biases, self.mean, self.scale):
+            if not np.isfinite(array).all():
+                raise ValueError("a number is not finite")
+
+
+def _card(entries: dict[str, Any]) -> Card:
+    if entries.get("format") != FORMAT:
+        raise ValueError(f"format {entries.get('format')!r}, this version reads {FORMAT}")
+    known = {item.name for item in fields(Card)}
+    values: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value
+        for key, value in entries.items()
+        if key in known
+    }
+    return Card(**values)
+
+
+def shipped(rig_name: str) -> Policy | None:
+    """The policy that comes with the package for a rig, None if there is none."""
+    path = SHIPPED / f"{rig_name}.json"
+    return Policy.load(path) if path.exists() else None
