@@ -7,11 +7,15 @@ Each adds its share of the drives' limits to the action that comes from above an
 down; only the environment clips.  All work on single and vector environments through the same
 code: `PD(env)` returns a `gym.Wrapper` or a `gym.vector.VectorWrapper` as `env` needs.
 
+`PD` and `Feedforward` stand in any order, each once; `Residual` stands on top of them, because it
+clips and scales whatever comes from above.
+
 The inputs that hold the rig at rest (a winch carries its load) are needed once.  `PD` adds them
 unless a controller below does; `Feedforward`, which contains them, leaves out what is added below.
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from typing import Any
 
 import gymnasium as gym
@@ -20,6 +24,7 @@ from gymnasium.vector import VectorEnv, VectorWrapper
 from numpy.typing import ArrayLike, NDArray
 
 from ..models.errors import OptionError
+from .options import actions_of, number
 from .task import CraneTask
 from .tuning import Gains, Track, gains_of
 
@@ -29,6 +34,9 @@ AnyEnv = gym.Env[Any, Any] | VectorEnv[Any, Any, Any]
 
 class Law(ABC):
     """What a controller does with an action; stateless, for n simulations."""
+
+    name: str
+    """Of the function that wraps an environment in it."""
 
     @abstractmethod
     def apply(self, actions: Array) -> Array:
@@ -41,6 +49,8 @@ class Law(ABC):
 
 class PDLaw(Law):
     """u = holding + k (reference - measured) + d (reference rate - measured rate)."""
+
+    name = "PD"
 
     def __init__(self, task: CraneTask, gains: Gains, moving: bool, hold: bool) -> None:
         self._task, self._moving, self._hold = task, moving, hold
@@ -71,6 +81,8 @@ class PDLaw(Law):
 class FeedforwardLaw(Law):
     """The exact inputs of the reference, for the middle of the hold that begins."""
 
+    name = "Feedforward"
+
     def __init__(self, task: CraneTask, below: Law | None) -> None:
         self._task, self._below = task, below
 
@@ -88,6 +100,8 @@ class FeedforwardLaw(Law):
 class ResidualLaw(Law):
     """A fraction of the limits for what is learned."""
 
+    name = "Residual"
+
     def __init__(self, fraction: float) -> None:
         self._fraction = fraction
 
@@ -102,10 +116,11 @@ class Controller(gym.Wrapper[Any, Any, Any, Any]):
     def __init__(self, env: gym.Env[Any, Any], law: Law) -> None:
         super().__init__(env)
         self.law = law
+        self._shape = task_of(env).limits.shape
 
     def step(self, action: ArrayLike) -> Any:
         """Hand down what the law makes of the action."""
-        return self.env.step(self.law.apply(np.asarray(action, dtype=float)[None])[0])
+        return self.env.step(self.law.apply(actions_of(action, self._shape)[None])[0])
 
 
 class VectorController(VectorWrapper[Any, Any, Any, Any, Any]):
@@ -114,10 +129,12 @@ class VectorController(VectorWrapper[Any, Any, Any, Any, Any]):
     def __init__(self, env: VectorEnv[Any, Any, Any], law: Law) -> None:
         super().__init__(env)
         self.law = law
+        task = task_of(env)
+        self._shape = (task.num, *task.limits.shape)
 
     def step(self, actions: ArrayLike) -> Any:
         """Hand down what the law makes of the actions."""
-        return self.env.step(self.law.apply(np.asarray(actions, dtype=float)))
+        return self.env.step(self.law.apply(actions_of(actions, self._shape)))
 
 
 def PD(
@@ -143,9 +160,11 @@ def PD(
     Raises
     ------
     OptionError
-        `track` is unknown, gains are negative or not one for each drive, or `env` is no crane.
+        `track` is unknown, gains are negative or not one for each drive, `env` is no crane, or
+        a `PD` or a `Residual` stands below.
     """
     task = task_of(env)
+    _refuse_below(env, "PD")
     if track not in ("moving", "set point"):
         raise OptionError(f'track is {track!r}, it must be "moving" or "set point"')
     usual = gains_of(task, track)
@@ -153,18 +172,22 @@ def PD(
         usual.stiffness if stiffness is None else _gain(task, "stiffness", stiffness),
         usual.damping if damping is None else _gain(task, "damping", damping),
     )
-    return _wrap(env, PDLaw(task, gains, track == "moving", _holder(env) is None))
+    held = any(law.holding() is not None for law in _laws(env))
+    return _wrap(env, PDLaw(task, gains, track == "moving", not held))
 
 
 def Feedforward(env: AnyEnv) -> Any:
-    """The exact inputs of the reference; alone, or on top of `PD`.
+    """The exact inputs of the reference; alone, or with `PD` below or above.
 
     Raises
     ------
     OptionError
-        `env` is no crane.
+        `env` is no crane, or a `Feedforward` or a `Residual` stands below.
     """
-    return _wrap(env, FeedforwardLaw(task_of(env), _holder(env)))
+    task = task_of(env)
+    _refuse_below(env, "Feedforward")
+    holders = [law for law in _laws(env) if law.holding() is not None]
+    return _wrap(env, FeedforwardLaw(task, holders[0] if holders else None))
 
 
 def Residual(env: AnyEnv, fraction: float = 0.2) -> Any:
@@ -175,12 +198,11 @@ def Residual(env: AnyEnv, fraction: float = 0.2) -> Any:
     Raises
     ------
     OptionError
-        The fraction is not in (0, 1], or `env` is no crane.
+        The fraction is not in (0, 1], `env` is no crane, or a `Residual` stands below.
     """
     task_of(env)
-    if not 0 < fraction <= 1:
-        raise OptionError(f"fraction is {fraction}, it must be > 0 and at most 1")
-    return _wrap(env, ResidualLaw(fraction))
+    _refuse_below(env, "Residual")
+    return _wrap(env, ResidualLaw(number("fraction", fraction, above=0, most=1)))
 
 
 def task_of(env: AnyEnv) -> CraneTask:
@@ -191,7 +213,7 @@ def task_of(env: AnyEnv) -> CraneTask:
     OptionError
         There is none: `env` is not a crane.
     """
-    task = getattr(env.unwrapped, "task", None)
+    task = getattr(getattr(env, "unwrapped", None), "task", None)
     if not isinstance(task, CraneTask):
         raise OptionError(f"{env} is not an environment of flatrig")
     return task
@@ -203,22 +225,35 @@ def _wrap(env: AnyEnv, law: Law) -> Controller | VectorController:
     return Controller(env, law)
 
 
-def _holder(env: AnyEnv) -> Law | None:
-    """The controller below that adds the inputs of the equilibrium."""
+def _laws(env: AnyEnv) -> Iterator[Law]:
+    """Those of the controllers in an environment, from the top."""
     layer: Any = env
     while layer is not layer.unwrapped:
-        if isinstance(layer, Controller | VectorController) and layer.law.holding() is not None:
-            return layer.law
+        if isinstance(layer, Controller | VectorController):
+            yield layer.law
         layer = layer.env
-    return None
+
+
+def _refuse_below(env: AnyEnv, name: str) -> None:
+    """Nothing is added twice, and nothing above a residual, which would clip and scale it."""
+    for law in _laws(env):
+        if law.name == name:
+            raise OptionError(f"{name} stands below already, it must be there once")
+        if isinstance(law, ResidualLaw):
+            raise OptionError(
+                f"{name} above Residual would be clipped and scaled; put Residual on top"
+            )
 
 
 def _gain(task: CraneTask, name: str, value: ArrayLike) -> Array:
-    gains = np.asarray(value, dtype=float)
     count = len(task.rig.drives)
+    try:
+        gains = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        gains = np.array(np.nan)
     if gains.shape not in ((), (count,)) or not (np.isfinite(gains) & (gains >= 0)).all():
         raise OptionError(
-            f"{name} is {gains.tolist()}, it must be {count} numbers >= 0, one for each of "
+            f"{name} is {value!r}, it must be {count} numbers >= 0, one for each of "
             f"{', '.join(task.rig.input_names)}"
         )
     return np.broadcast_to(gains, (count,)).copy()

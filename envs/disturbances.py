@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..models.errors import OptionError, did_you_mean
 from ..models.rig import Rig
+from .options import number as checked
 
 Array = NDArray[np.float64]
 Range = tuple[float, float]
@@ -33,7 +34,7 @@ class Scenario:
     """How one plant differs from its rig; the defaults do not differ.
 
     Raises:
-        OptionError: a number is not finite, or a mass, friction, delay or resolution is negative.
+        OptionError: a number is not finite or not one that it can be, or gusts have no frequency.
     """
 
     load_mass: float = 1.0
@@ -45,7 +46,8 @@ class Scenario:
     wind: float = 0.0
     """Steady force on every load [N]."""
     wind_direction: float = 0.0
-    """Where the wind blows, from the x axis about z [rad]; in a planar rig its side of y = 0."""
+    """Where the wind blows, from the x axis about z [rad]; in a planar rig along x, to
+    the side of its cosine's sign."""
     gust: float = 0.0
     """Amplitude of a sinusoid on top of the wind, in the same direction [N]."""
     gust_frequency: float = 0.0
@@ -63,20 +65,9 @@ class Scenario:
 
     def __post_init__(self) -> None:
         for item in fields(self):
-            value = getattr(self, item.name)
-            if not math.isfinite(value):
-                raise OptionError(f"scenario: {item.name} is {value}, it must be finite")
-        if not self.load_mass > 0:
-            raise OptionError(f"scenario: load_mass is {self.load_mass:g}, it must be > 0")
-        for name in ("winch_friction", "trolley_friction", "encoder_resolution", "delay"):
-            if getattr(self, name) < 0:
-                raise OptionError(f"scenario: {name} is {getattr(self, name):g}, it must be >= 0")
-        if self.delay != int(self.delay):
-            raise OptionError(f"scenario: delay is {self.delay}, it must be a whole number")
-        if self.delay > LONGEST_DELAY:
-            raise OptionError(
-                f"scenario: delay is {self.delay} periods, it must be at most {LONGEST_DELAY}"
-            )
+            _check("scenario", item.name, getattr(self, item.name))
+        if self.gust and not self.gust_frequency:
+            raise OptionError("scenario: a gust needs a frequency; give gust_frequency [Hz]")
 
     @property
     def friction(self) -> bool:
@@ -88,10 +79,12 @@ class Scenario:
 class Disturbances:
     """Ranges (lowest, highest) from which scenarios are drawn uniformly; units as in `Scenario`.
 
-    Directions and the gusts' phase are drawn from the whole circle.
+    Directions and the gusts' phase are drawn from the whole circle.  The resolution of encoders is
+    one number, the same in all scenarios.
 
     Raises:
-        OptionError: a range is upside down or holds a value that no scenario can have.
+        OptionError: a range is upside down or holds a value that no scenario can have, or gusts
+            have no frequency.
     """
 
     load_mass: Range = (1.0, 1.0)
@@ -108,18 +101,20 @@ class Disturbances:
         for item in fields(self):
             value = getattr(self, item.name)
             if item.name == "encoder_resolution":
-                Scenario(encoder_resolution=value)
+                _check("disturbances", item.name, value)
                 continue
             if not isinstance(value, tuple | list) or len(value) != 2:
                 raise OptionError(f"disturbances: {item.name} is {value!r}, it must be (low, high)")
             low, high = value
+            for end in (low, high):
+                _check("disturbances", item.name, end)
             if not low <= high:
                 raise OptionError(
                     f"disturbances: {item.name} is ({low}, {high}), low must not exceed high"
                 )
-            Scenario(**{item.name: low})
-            Scenario(**{item.name: high})
             object.__setattr__(self, item.name, (low, high))
+        if any(self.gust) and not any(self.gust_frequency):
+            raise OptionError("disturbances: gusts need frequencies; give gust_frequency [Hz]")
 
     @classmethod
     def standard(cls, rig: Rig) -> "Disturbances":
@@ -144,13 +139,29 @@ class Disturbances:
         """Whether a scenario can have friction."""
         return self.winch_friction[1] > 0 or self.trolley_friction[1] > 0
 
+    def check(self, scenario: object) -> None:
+        """Refuse what an environment made for these cannot simulate; None stands for any.
+
+        Raises:
+            OptionError: it is no scenario, or has friction where no range has.
+        """
+        if scenario is None:
+            return
+        if not isinstance(scenario, Scenario):
+            raise OptionError(f"scenario is {scenario!r}, it must be a Scenario")
+        if scenario.friction and not self.friction:
+            raise OptionError(
+                "the scenario has friction, but the environment was made without; make it with "
+                'disturbances="standard" or others that allow friction'
+            )
+
     def scenario(self, shares: ArrayLike) -> Scenario:
         """The scenario at a place of the unit cube, shape (DIMENSIONS,)."""
         share = dict(zip(_DRAWN, np.asarray(shares, dtype=float).tolist(), strict=True))
         values: dict[str, Any] = {"encoder_resolution": self.encoder_resolution}
         for name, place in share.items():
             if name in _CIRCULAR:
-                present = any(getattr(self, owner)[1] > 0 for owner in _CIRCULAR[name])
+                present = any(any(getattr(self, owner)) for owner in _CIRCULAR[name])
                 values[name] = 2.0 * math.pi * place if present else 0.0
             elif name == "delay":
                 low, high = self.delay
@@ -182,14 +193,28 @@ def design(disturbances: Disturbances, number: int, seed: int) -> list[Scenario]
     """Scenarios that cover the ranges evenly: one Latin hypercube, the same for the same seed.
 
     Raises:
-        OptionError: `number` is not positive.
+        OptionError: `number` is not a whole number >= 1 or `seed` not one >= 0.
     """
     from scipy.stats import qmc  # only here: slow to import
 
-    if number < 1:
-        raise OptionError(f"number of scenarios is {number}, it must be 1 or more")
+    number = int(checked("number of scenarios", number, least=1, whole=True))
+    seed = int(checked("seed", seed, least=0, whole=True))
     cube = qmc.LatinHypercube(DIMENSIONS, rng=np.random.default_rng(seed)).random(number)
     return [disturbances.scenario(place) for place in cube]
+
+
+_LIMITS: dict[str, dict[str, Any]] = {
+    "load_mass": {"above": 0},
+    "winch_friction": {"least": 0},
+    "trolley_friction": {"least": 0},
+    "encoder_resolution": {"least": 0},
+    "delay": {"least": 0, "most": LONGEST_DELAY, "whole": True},
+}
+"""What the numbers of a scenario must keep to, beyond being finite."""
+
+
+def _check(owner: str, name: str, value: object) -> None:
+    checked(f"{owner}: {name}", value, **_LIMITS.get(name, {}))
 
 
 def as_disturbances(value: Disturbances | Mapping[str, Any] | str | None, rig: Rig) -> Disturbances:
@@ -208,7 +233,9 @@ def as_disturbances(value: Disturbances | Mapping[str, Any] | str | None, rig: R
         known = [item.name for item in fields(Disturbances)]
         for name in value:
             if name not in known:
-                raise OptionError(f"there is no disturbance {name!r}{did_you_mean(name, known)}")
+                raise OptionError(
+                    f"there is no disturbance {name!r}{did_you_mean(str(name), known)}"
+                )
         return Disturbances(**value)
     raise OptionError(
         f'disturbances is {value!r}, it must be None, "standard", ranges by name or Disturbances'

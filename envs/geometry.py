@@ -24,7 +24,12 @@ from ..models.state import State, coordinates, points, spans
 Array = NDArray[np.float64]
 
 REACH = 25.0
-"""How far a joint may go from home, in lengths of `Scales.length` or radians."""
+"""How far a joint may go from home: so many times `Scales.length`, or times 1 m if that is longer;
+a turning frame as many radians."""
+
+RAIL_MARGIN = 0.01
+"""How far a trolley may stand beyond the ends of its rail [m]: moves may lead to the very end, and
+no controller follows them without an error."""
 
 TOO_HIGH, OFF_RAIL, OUT_OF_REACH = "load above trolley", "off the rail", "out of reach"
 """Reasons for which an episode ends."""
@@ -56,7 +61,6 @@ class Scales:
 class Geometry:
     """The affine map from joints to clearances and spans."""
 
-    rig: Rig
     clearances: Array
     """Rows (clearances, nq + 1) that act on the joints and a constant 1 after them."""
     reasons: tuple[str, ...]
@@ -102,7 +106,7 @@ def geometry_of(rig: Rig, model: object, home: Array) -> Geometry:
     for trolley in rig.trolleys:
         rail, place = rig.rail(trolley.rail), along[trolley.coordinate]
         sides = [side for side in (place - rail.start, rail.end - place) if np.isfinite(side).all()]
-        values += sides
+        values += [side + RAIL_MARGIN for side in sides]
         reasons += [OFF_RAIL] * len(sides)
     reach = REACH * max(scales.length, 1.0)
     for departure in np.vstack((-home, np.eye(size) - home)).T:
@@ -110,7 +114,7 @@ def geometry_of(rig: Rig, model: object, home: Array) -> Geometry:
         reasons += [OUT_OF_REACH] * 2
     clearances = _affine(np.array(values)[..., None])[:, 0]
     affine = _holds(rig, vectors, owners)
-    return Geometry(rig, clearances, tuple(reasons), vectors, tuple(owners), affine, scales)
+    return Geometry(clearances, tuple(reasons), vectors, tuple(owners), affine, scales)
 
 
 def _affine(probed: Array) -> Array:

@@ -11,6 +11,8 @@ For every drive, in this order, with l and tau of `Scales` (1 rad for angles):
     NAME.ahead_T       reference T seconds ahead - reference now              over l
     left               share of the episode that is left
 
+T is rounded to whole control periods; at rates so low that it rounds to none, the entry is 0.
+
 With sensors="full" then, for every output and rope:
 
     NAME.error, NAME.rate_error         of the output                         as above

@@ -1,11 +1,76 @@
-"""Checks of the options of environments and of `reset`."""
+"""Checks of what users give to environments, controllers and disturbances."""
 
 import math
+from collections.abc import Mapping
+from numbers import Real
 from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from ..models.errors import OptionError, did_you_mean
 
 SENSORS = ("encoders", "full")
+
+
+def number(
+    name: str,
+    value: object,
+    *,
+    above: float = -math.inf,
+    least: float = -math.inf,
+    most: float = math.inf,
+    whole: bool = False,
+    unit: str = "",
+) -> float:
+    """A finite number > `above`, >= `least` and <= `most`.
+
+    Raises
+    ------
+    OptionError
+        It is none.
+    """
+    real = isinstance(value, Real) and not isinstance(value, bool)
+    plain = float(value) if real else math.nan  # type: ignore[arg-type]
+    fits = above < plain and least <= plain <= most
+    if math.isfinite(plain) and fits and not (whole and plain % 1.0):
+        return plain
+    limits = {f"> {above:g}": above, f">= {least:g}": least, f"at most {most:g}": most}
+    rules = " and ".join(rule for rule, limit in limits.items() if math.isfinite(limit))
+    kind = f"a {'whole' if whole else 'finite'} number {rules}".rstrip()
+    shown = f"{value} {unit}".rstrip() if real else repr(value)
+    raise OptionError(f"{name} is {shown}, it must be {kind}")
+
+
+def seed_of(value: object) -> int | None:
+    """A seed as NumPy takes it, or None.
+
+    Raises
+    ------
+    OptionError
+        It is not a whole number >= 0.
+    """
+    if value is None:
+        return None
+    number("seed", value, least=0, whole=True)
+    return int(value)  # type: ignore[call-overload, no-any-return]
+
+
+def actions_of(value: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Actions as an array of this shape.
+
+    Raises
+    ------
+    OptionError
+        They have another shape or are not numbers.
+    """
+    try:
+        given = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise OptionError(f"an action must be numbers of shape {shape}, not {value!r}") from None
+    if given.shape != shape:
+        raise OptionError(f"an action has shape {given.shape}, it must have shape {shape}")
+    return given
 
 
 def substeps_of(rate: float, timestep: float) -> int:
@@ -16,9 +81,8 @@ def substeps_of(rate: float, timestep: float) -> int:
     OptionError
         A control period is not a whole number of time steps.
     """
-    for name, value, unit in (("rate", rate, "Hz"), ("timestep", timestep, "s")):
-        if not 0 < value < math.inf:
-            raise OptionError(f"{name} is {value} {unit}, it must be > 0")
+    rate = number("rate", rate, above=0, unit="Hz")
+    timestep = number("timestep", timestep, above=0, unit="s")
     exact = 1.0 / (rate * timestep)
     whole = round(exact)
     if whole < 1 or abs(exact - whole) > 1e-6 * exact:
@@ -29,7 +93,7 @@ def substeps_of(rate: float, timestep: float) -> int:
     return whole
 
 
-def check_numbers(num: int, sensors: str, hold: float) -> None:
+def check_simple(num: int, sensors: str, hold: float, nthread: int | None) -> None:
     """The simple options of a task.
 
     Raises
@@ -37,12 +101,12 @@ def check_numbers(num: int, sensors: str, hold: float) -> None:
     OptionError
         One has a value it cannot have.
     """
-    if num < 1:
-        raise OptionError(f"number of simulations is {num}, it must be 1 or more")
+    number("number of simulations", num, least=1, whole=True)
+    number("hold", hold, least=0, unit="s")
+    if nthread is not None:
+        number("nthread", nthread, least=1, whole=True)
     if sensors not in SENSORS:
         raise OptionError(f"sensors is {sensors!r}, it must be one of {', '.join(SENSORS)}")
-    if not 0 <= hold < math.inf:
-        raise OptionError(f"hold is {hold} s, it must be >= 0")
 
 
 def check_options(options: dict[str, Any] | None, known: tuple[str, ...]) -> dict[str, Any]:
@@ -51,9 +115,13 @@ def check_options(options: dict[str, Any] | None, known: tuple[str, ...]) -> dic
     Raises
     ------
     OptionError
-        One is unknown.
+        They are not a dictionary, or one is unknown.
     """
-    for name in options or {}:
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        raise OptionError(f"options of reset are {options!r}, they must be a dictionary")
+    for name in options:
         if name not in known:
-            raise OptionError(f"reset has no option {name!r}{did_you_mean(name, known)}")
-    return options or {}
+            raise OptionError(f"reset has no option {name!r}{did_you_mean(str(name), known)}")
+    return options

@@ -62,7 +62,6 @@ class Layout:
 class Plan:
     """A reference at every step of an episode, with what it implies."""
 
-    reference: Reference
     rows: Array
     """Shape (steps + 1, columns); see the module."""
     start: dict[str, float]
@@ -125,7 +124,7 @@ def make_plan(rig: Rig, reference: Reference, period: float, hold: float) -> Pla
     rows[:, columns["left"]] = 1.0 - np.arange(steps + 1)[:, None] / steps
     rows.flags.writeable = False
     start = dict(zip(motion.coordinate_names, motion.positions[0].tolist(), strict=True))
-    return Plan(reference, rows, start, first * limits, position[len(instants) - 1].copy(), last)
+    return Plan(rows, start, first * limits, position[len(instants) - 1].copy(), last)
 
 
 def _at_rest(rig: Rig, reference: Reference, limits: Array) -> tuple[Array, Array]:

@@ -14,7 +14,6 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from ..models import mjcf
-from ..models.errors import OptionError
 from ..models.rig import Rig
 from ..models.state import State, coordinates, joint_state, points
 from .disturbances import Scenario
@@ -26,6 +25,9 @@ Ids = NDArray[np.int32]
 
 ACCELERATIONS = int(mujoco.mjtStage.mjSTAGE_ACC)
 NOTHING = int(mujoco.mjtStage.mjSTAGE_NONE)
+
+LOG = "MUJOCO_LOG.TXT"
+"""Where MuJoCo writes warnings by default, in the folder that a program is started from."""
 
 SLACK = "slack"
 """Why an episode ends when a rope would have to push."""
@@ -70,7 +72,7 @@ class Plant:
         self.num = num
         self.substeps = substeps
         self.model = _model(rig, timestep, friction, rates)
-        threads = nthread or min(num, os.cpu_count() or 1)
+        threads = min(num, os.cpu_count() or 1) if nthread is None else int(nthread)
         self.batch = Batch(self.model, num, threads, persistent=True)
         self.home = np.array(self.model.key_qpos[0])
         self.geometry = geometry_of(rig, self.model, self.home)
@@ -82,6 +84,8 @@ class Plant:
         self._friction = Friction(rig, self.model, self.batch) if friction else None
         self._wind = _Wind(rig, self.model, self.batch)
         self._masses: Array | None = None
+        self.qpos[...] = self.home  # a first reset may be of some simulations only
+        self.batch.forward()
 
     def reset(self, ids: Ids, qpos: Array, ctrl: Array, scenarios: Sequence[Scenario]) -> None:
         """Put simulations at rest at joints (len(ids), nq) under inputs (len(ids), drives)."""
@@ -190,11 +194,6 @@ class Plant:
             self._masses[sim, loads] = scenario.load_mass * self.model.body_mass[loads]
         if self._friction is not None:
             self._friction.set(sim, scenario.winch_friction, scenario.trolley_friction)
-        elif scenario.friction:
-            raise OptionError(
-                "the scenario has friction, but the environment was made without; make it with "
-                'disturbances="standard" or others that allow friction'
-            )
 
     def _swung(self, joints: Array, scenario: Scenario) -> Array:
         """Joints with each hanging load swung about what it hangs from, its rope as long."""
@@ -248,6 +247,10 @@ def _heading(rig: Rig, direction: float) -> Array:
 
 def _model(rig: Rig, timestep: float, friction: bool, rates: bool) -> mujoco.MjModel:
     """The rig's bare physics, with the loads' velocities as sensors if asked for."""
+    log = mujoco.MjLogConfig.get()
+    if log.logfile == LOG:  # warnings go to the console; leave no file in the user's folder
+        log.logto_file = False
+        log.set()
     scene = mjcf.spec(rig, timestep=timestep, visuals=False, friction=friction)
     # A state that is not finite must show, not be replaced by the initial one without a word.
     scene.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)

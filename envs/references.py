@@ -10,7 +10,7 @@ from ..feedforward.reference import Reference
 from ..models.errors import FlatrigError, OptionError
 from ..models.move import Move
 from ..models.rig import Rig
-from .plan import Plan, make_plan
+from .plan import Plan, layout_of, make_plan
 
 Sampler = Callable[[np.random.Generator], Reference | Move]
 ReferenceOption = Reference | Move | Sampler | str | None
@@ -28,8 +28,18 @@ HEADROOM = 0.9
 
 
 def as_reference(value: Reference | Move) -> Reference:
-    """A move made into a path; a path as it is."""
-    return feedforward.from_move(value) if isinstance(value, Move) else value
+    """A move made into a path; a path as it is.
+
+    Raises
+    ------
+    OptionError
+        It is neither.
+    """
+    if isinstance(value, Move):
+        return feedforward.from_move(value)
+    if not hasattr(value, "derivatives"):
+        raise OptionError(f"reference is {value!r}, it must be a Reference or a Move")
+    return value
 
 
 def default_move(rig: Rig) -> Move:
@@ -97,8 +107,7 @@ class RandomMoves:
             plan = make_plan(self.rig, reference, reference.duration / 64, 0.0)
         except FlatrigError:
             return False
-        first = 2 * (len(self.rig.drives) + len(self.rig.outputs))
-        inputs = plan.rows[:, first : first + len(self.rig.drives)]
+        inputs = plan.rows[:, layout_of(self.rig).columns["feedforward"]]
         return bool(np.abs(inputs).max() <= HEADROOM)
 
 
@@ -117,7 +126,7 @@ class Planner:
         self._fixed: Plan | None = None
         if option is None:
             option = default_move(self.rig)
-        if option == "random":
+        if isinstance(option, str) and option == "random":
             self._sampler = RandomMoves(self.rig, default_move(self.rig))
         elif isinstance(option, Move) or hasattr(option, "derivatives"):
             self._fixed = self.plan(option)  # type: ignore[arg-type]

@@ -49,7 +49,7 @@ class Camera:
             self._drawing.close()
 
 
-def check_mode(mode: str | None) -> str | None:
+def check_mode(mode: str | None, known: tuple[str, ...] = MODES) -> str | None:
     """The option `render_mode`.
 
     Raises
@@ -57,8 +57,8 @@ def check_mode(mode: str | None) -> str | None:
     OptionError
         There is no such mode.
     """
-    if mode not in (None, *MODES):
-        raise OptionError(f"render_mode is {mode!r}, it must be one of {', '.join(MODES)}")
+    if mode not in (None, *known):
+        raise OptionError(f"render_mode is {mode!r}, it must be {' or '.join(known)}, or None")
     return mode
 
 

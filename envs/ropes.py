@@ -4,6 +4,12 @@ The tension where a rope leaves its winch is T = (J/r^2) L'' - u/r - F, with the
 the winch's torque u and the force F of friction along the rope.  `flatrig.models.state.tensions`
 says the same in a line for any rig; here it is done in few array operations for the rigs whose
 spans are affine in the joints.
+
+The force of friction is exact but for one case.  MuJoCo's batch tells the sum of all friction on a
+joint; where a rope and a trolley rub on the same one, as the rope that pulls the roped crane's
+trolley does, the sum is shared in proportion to what each can bear, a and b.  That is exact while
+both slip, since they slip together; while they stick, the tension is off by at most
+2 a b / (a + b).
 """
 
 import mujoco
@@ -140,8 +146,7 @@ class Friction:
     def read(self) -> Array:
         """Force of friction along each rope, (n, ropes) [N]; negative while it is paid out.
 
-        MuJoCo tells the sum of all friction on each joint.  Where two drives rub on the same
-        joint the sum is shared in proportion to what each can bear.
+        Where a rope and a trolley rub on the same joint they share its friction, see the module.
         """
         directions = self._directions
         for row, part, columns in self._places:

@@ -6,7 +6,7 @@ import gymnasium as gym
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .options import check_options
+from .options import actions_of, check_options, seed_of
 from .rendering import MODES, Camera, check_mode
 from .spaces import action_space, observation_space
 from .task import CraneTask
@@ -14,9 +14,6 @@ from .task import CraneTask
 Array = NDArray[np.float64]
 
 OPTIONS = ("scenario", "reference")
-
-
-METADATA = {"render_modes": list(MODES), "render_fps": 50}
 
 
 class CraneEnv(gym.Env[Any, Any]):
@@ -27,7 +24,7 @@ class CraneEnv(gym.Env[Any, Any]):
     "reason" why the episode is over.
     """
 
-    metadata = METADATA
+    metadata = {"render_modes": list(MODES), "render_fps": 50}  # noqa: RUF012 (Gymnasium's)
 
     def __init__(self, rig: Any, *, render_mode: str | None = None, **options: Any) -> None:
         self.task = CraneTask(rig, num=1, **options)
@@ -51,8 +48,8 @@ class CraneEnv(gym.Env[Any, Any]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
         """Begin an episode; see the class for `options`."""
-        super().reset(seed=seed)
         options = check_options(options, OPTIONS)
+        super().reset(seed=seed_of(seed))
         task = self.task
         task.reset(
             task.all, [self.np_random], [options.get("scenario")], [options.get("reference")]
@@ -65,7 +62,7 @@ class CraneEnv(gym.Env[Any, Any]):
 
     def step(self, action: ArrayLike) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Hold inputs, `action` times their limits, over one control period."""
-        outcome = self.task.step(np.asarray(action, dtype=float)[None])
+        outcome = self.task.step(actions_of(action, self.task.limits.shape)[None])
         if self.render_mode == "human":
             self.render()
         return (

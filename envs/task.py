@@ -23,7 +23,7 @@ from ..models.move import Move
 from ..models.rig import Rig
 from .disturbances import Disturbances, Scenario, as_disturbances
 from .observation import Observation
-from .options import check_numbers, substeps_of
+from .options import actions_of, check_simple, substeps_of
 from .plan import layout_of
 from .plant import NOT_FINITE, Ids, Plant
 from .references import Planner, ReferenceOption
@@ -100,8 +100,8 @@ class CraneTask:
         self.rig = models.make(rig) if isinstance(rig, str) else rig
         if not isinstance(self.rig, Rig):
             raise OptionError(f"rig is {rig!r}, it must be a Rig or a name of the catalogue")
-        check_numbers(num, sensors, hold)
-        self.num = num
+        check_simple(num, sensors, hold, nthread)
+        self.num = num = int(num)
         self.all = np.arange(num, dtype=np.int32)
         substeps = substeps_of(rate, timestep)
         self.period = substeps * timestep
@@ -124,6 +124,7 @@ class CraneTask:
         self.encoders = Encoders(self.plant, self.period)
         self._observation = Observation(self.plant, self.encoders, self.rows, sensors == "full")
         self._reward = Reward(num, outputs, drives, self.scales)
+        self._new = set(range(num))
         self._steps = np.zeros(num, dtype=np.int64)
         self._countdown = 0
         self._commands = Commands(self._reward.change)
@@ -139,11 +140,6 @@ class CraneTask:
     def action_names(self) -> tuple[str, ...]:
         """Names of the entries of an action: the rig's inputs."""
         return self.rig.input_names
-
-    @property
-    def time(self) -> Array:
-        """Since each episode began, (n,) [s]."""
-        return np.asarray(self.period * self._steps)
 
     def reset(
         self,
@@ -162,22 +158,36 @@ class CraneTask:
             One for each of them; draws what is not given.
         scenarios, references
             For each of them a scenario and a reference, or None to draw it.
+
+        Raises
+        ------
+        OptionError
+            A scenario is none or has friction that the task was made without, or a reference is
+            none; then nothing has changed.
+        PathError, SmoothnessError
+            The rig cannot follow a reference.
         """
         nothing = [None] * len(ids)
+        scenarios = nothing if scenarios is None else scenarios
+        references = nothing if references is None else references
+        for scenario in scenarios:
+            self.disturbances.check(scenario)
         plans = [
             self.planner.draw(generator) if reference is None else self.planner.plan(reference)
-            for generator, reference in zip(generators, references or nothing, strict=True)
+            for generator, reference in zip(generators, references, strict=True)
         ]
         drawn = [
-            scenario or self.disturbances.draw(generator)
-            for generator, scenario in zip(generators, scenarios or nothing, strict=True)
+            self.disturbances.draw(generator) if scenario is None else scenario
+            for generator, scenario in zip(generators, scenarios, strict=True)
         ]
         for sim, scenario in zip(ids.tolist(), drawn, strict=True):
             self.scenarios[sim] = scenario
         inputs = np.array([plan.inputs for plan in plans])
         joints = np.array([self.plant.at_rest(plan.start) for plan in plans])
         self.plant.reset(ids, joints, inputs, drawn)
+        self._new.difference_update(ids.tolist())
         self._steps[ids] = 0
+        self._reward.terms[ids] = 1.0
         self._commands.reset(ids, drawn, inputs / self.limits)
         self.rows.follow(ids, plans)
         self.rows.look(self._steps)
@@ -198,16 +208,12 @@ class CraneTask:
         Raises
         ------
         OptionError
-            Actions have another shape or are not numbers.
+            Actions have another shape or are not numbers, or an episode has not begun.
         """
-        given = np.asarray(actions, dtype=float)
-        if given.shape != self._scale.shape:
-            raise OptionError(f"actions have shape {given.shape}, need {self._scale.shape}")
-        if ids is None:
-            self._advance(given, None)
-        else:
-            self._advance_some(given, ids)
-        reward = self._reward.of(self.plant.outputs, self.rows.parts["outputs"])
+        given = actions_of(actions, self._scale.shape)
+        if self._new and (ids is None or not self._new.isdisjoint(ids.tolist())):
+            raise OptionError("no episode has begun, call reset before step")
+        reward = self._advance(given, None) if ids is None else self._advance_some(given, ids)
         return self._judge(reward, ids)
 
     def observation(self) -> Array:
@@ -236,8 +242,8 @@ class CraneTask:
             "reward_terms": {"tracking": tracking, "smoothness": smoothness},
         }
 
-    def _advance(self, actions: Array, ids: Ids | None) -> None:
-        """One control period of all simulations, or in the plant of some."""
+    def _advance(self, actions: Array, ids: Ids | None) -> Array:
+        """One control period of all simulations, or in the plant of some; the rewards."""
         inputs = self._commands.send(actions, self._steps)
         if ids is None:
             np.multiply(inputs, self._scale, self.plant.ctrl)
@@ -247,18 +253,20 @@ class CraneTask:
         np.add(self._steps, self._one, self._steps)
         self.rows.look(self._steps)
         self.encoders.step(self.rows.parts["drives"])
+        return self._reward.of(self.plant.outputs, self.rows.parts["outputs"])
 
-    def _advance_some(self, actions: Array, ids: Ids) -> None:
+    def _advance_some(self, actions: Array, ids: Ids) -> Array:
         """One control period of some simulations; the memory of the others is put back."""
         idle = np.ones(self.num, dtype=bool)
         idle[ids] = False
-        memory = (self._steps, self._commands.last, *self.encoders.memory)
+        last = self._commands.last
+        memory = (self._steps, last, self._reward.terms, *self.encoders.memory)
         kept = [values[idle] for values in memory]
-        self._advance(actions, ids)
+        reward = self._advance(np.where(idle[:, None], last, actions), ids)
         for values, old in zip(memory, kept, strict=True):
             values[idle] = old
-        self._commands.change[idle] = 0.0
         self.rows.look(self._steps)
+        return reward
 
     def _judge(self, reward: Array, ids: Ids | None) -> Outcome:
         """Which episodes are over, and why."""

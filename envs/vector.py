@@ -10,8 +10,8 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
 from ..models.errors import OptionError
-from .options import check_options
-from .rendering import MODES, Camera, check_mode
+from .options import check_options, seed_of
+from .rendering import Camera, check_mode
 from .spaces import action_space, observation_space
 from .task import CraneTask
 
@@ -19,13 +19,6 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 OPTIONS = ("scenarios", "references", "reset_mask")
-
-
-METADATA = {
-    "render_modes": list(MODES),
-    "render_fps": 50,
-    "autoreset_mode": AutoresetMode.NEXT_STEP,
-}
 
 
 class CraneVectorEnv(VectorEnv[Array, Any, Any]):
@@ -36,17 +29,21 @@ class CraneVectorEnv(VectorEnv[Array, Any, Any]):
     single environment seeded with seed + i, to the last bit.
 
     `reset(options={"scenarios": [...], "references": [...]})` prescribes, crane by crane, what
-    would be drawn; "reset_mask" (n,) resets only some.
+    would be drawn; "reset_mask", n booleans, resets only some.
     """
 
-    metadata = METADATA
+    metadata = {  # noqa: RUF012 (Gymnasium's)
+        "render_modes": ["rgb_array"],
+        "render_fps": 50,
+        "autoreset_mode": AutoresetMode.NEXT_STEP,
+    }
 
     def __init__(
         self, rig: Any, *, num_envs: int = 1, render_mode: str | None = None, **options: Any
     ) -> None:
         self.task = CraneTask(rig, num=num_envs, **options)
-        self.num_envs = num_envs
-        self.render_mode = check_mode(render_mode)
+        self.num_envs = num_envs = self.task.num
+        self.render_mode = check_mode(render_mode, ("rgb_array",))
         self.metadata = {**self.metadata, "render_fps": round(1.0 / self.task.period)}
         self.single_observation_space = observation_space(self.task)
         self.single_action_space = action_space(self.task)
@@ -72,12 +69,25 @@ class CraneVectorEnv(VectorEnv[Array, Any, Any]):
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Array, dict[str, Any]]:
-        """Begin episodes; a number as `seed` means seed, seed + 1, ..."""
+        """Begin episodes; a number as `seed` means seed, seed + 1, ...
+
+        Raises
+        ------
+        OptionError
+            Seeds, a mask or a list are not one for each crane, or `flatrig.envs.task` refuses one.
+        """
         options = check_options(options, OPTIONS)
-        chosen = options.get("reset_mask", np.ones(self.num_envs, dtype=bool))
+        mask = options.get("reset_mask")
+        chosen = np.ones(self.num_envs, dtype=bool) if mask is None else np.asarray(mask)
+        if chosen.shape != self._over.shape or chosen.dtype != bool:
+            raise OptionError(f"reset_mask is {mask!r}, it must be {self.num_envs} booleans")
+        scenarios, references = (self._each(name, options.get(name)) for name in OPTIONS[:2])
+        seeds = self._seeds(seed)
         ids = np.flatnonzero(chosen).astype(np.int32)
-        self._seed(seed, ids)
-        self._begin(ids, options)
+        for sim in ids.tolist():
+            if seeds[sim] is not None:
+                self._generators[sim] = seeding.np_random(seeds[sim])[0]
+        self._begin(ids, scenarios, references)
         info = self.task.info()
         info["reason"] = np.full(self.num_envs, "", dtype=object)
         info["scenario"] = list(self.task.scenarios)
@@ -91,9 +101,11 @@ class CraneVectorEnv(VectorEnv[Array, Any, Any]):
             ids = np.flatnonzero(~self._over).astype(np.int32)
         outcome = task.step(actions, ids)
         if ids is not None:
-            self._begin(np.flatnonzero(self._over).astype(np.int32), {})
+            self._begin(np.flatnonzero(self._over).astype(np.int32))
         self._over = outcome.terminated | outcome.truncated
         info = task.info()
+        if ids is not None:
+            info["scenario"] = list(task.scenarios)
         info["reason"] = np.array(outcome.reasons, dtype=object)
         return task.observation(), outcome.reward, outcome.terminated, outcome.truncated, info
 
@@ -106,28 +118,37 @@ class CraneVectorEnv(VectorEnv[Array, Any, Any]):
         return tuple(self._camera.show(joints) for joints in self.task.plant.qpos)
 
     def close_extras(self, **options: Any) -> None:
-        """Close the window, if there is one."""
+        """Give back the renderer, if there is one."""
         if self._camera is not None:
             self._camera.close()
             self._camera = None
 
-    def _seed(self, seed: int | Sequence[int | None] | None, ids: NDArray[np.int32]) -> None:
-        if seed is None:
-            return
-        seeds = [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else list(seed)
-        if len(seeds) != self.num_envs:
-            raise OptionError(f"there are {len(seeds)} seeds for {self.num_envs} environments")
-        for sim in ids.tolist():
-            if seeds[sim] is not None:
-                self._generators[sim] = seeding.np_random(seeds[sim])[0]
+    def _seeds(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
+        """One for each crane."""
+        if isinstance(seed, int | np.integer):
+            first = seed_of(seed)
+            assert first is not None
+            return [first + sim for sim in range(self.num_envs)]
+        return [seed_of(value) for value in self._each("seed", seed)]
 
-    def _begin(self, ids: NDArray[np.int32], options: dict[str, Any]) -> None:
+    def _each(self, name: str, values: Any) -> list[Any]:
+        """What is given for each crane, None if nothing is."""
+        try:
+            given = [None] * self.num_envs if values is None else list(values)
+        except TypeError:
+            raise OptionError(f"{name} is {values!r}, it must be one for each crane") from None
+        if len(given) != self.num_envs:
+            raise OptionError(f"{name} has {len(given)} entries for {self.num_envs} cranes")
+        return given
+
+    def _begin(self, ids: NDArray[np.int32], scenarios: Any = None, references: Any = None) -> None:
         """Reset some cranes."""
-        prescribed = []
-        for name in ("scenarios", "references"):
-            values = options.get(name) or [None] * self.num_envs
-            if len(values) != self.num_envs:
-                raise OptionError(f"there are {len(values)} {name} for {self.num_envs} cranes")
-            prescribed.append([values[sim] for sim in ids.tolist()])
-        self.task.reset(ids, [self._generators[sim] for sim in ids.tolist()], *prescribed)
+        if ids.size == 0:
+            return
+        chosen = ids.tolist()
+        given = [
+            None if values is None else [values[sim] for sim in chosen]
+            for values in (scenarios, references)
+        ]
+        self.task.reset(ids, [self._generators[sim] for sim in chosen], *given)
         self._over[ids] = False

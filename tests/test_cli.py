@@ -142,7 +142,7 @@ WRONG = {
     "no scenarios": (["compare", "overhead", "--scenarios", "0"], "--scenarios is 0"),
     "no policy there": (["compare", "overhead", "--policy", "nix.json"], "nix.json"),
     "no time": (["train", "overhead", "--minutes", "0"], "--minutes is 0"),
-    "strange film": (["render", "overhead", "-o", "film.avi"], ".gif or .mp4"),
+    "strange film": (["render", "overhead", "-o", "film.avi"], ".gif, .mp4 or .png"),
 }
 
 
