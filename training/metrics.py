@@ -6,6 +6,7 @@ load stays where it was while the reference moves on: giving up does not make a 
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,6 @@ RESAMPLES = 10_000
 """Bootstrap resamples."""
 CONFIDENCE = 0.95
 """Of the intervals."""
-_CHUNK = 500
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,17 +136,17 @@ def paired_means(values: Array, seed: int = 0, resamples: int = RESAMPLES) -> Ar
         Shape (R, controllers); each row is the means over one resample of the scenarios, the
         same for all controllers, so that differences and ratios of columns are paired.
     """
-    rng = np.random.default_rng(seed)
-    count = values.shape[1]
     there = np.isfinite(values)
-    numbers = np.where(there, values, 0.0)
-    rows = []
-    for first in range(0, resamples, _CHUNK):
-        size = min(_CHUNK, resamples - first)
-        weights = rng.multinomial(count, np.full(count, 1.0 / count), size=size)
-        with np.errstate(invalid="ignore"):  # a resample without any value has no mean
-            rows.append((weights @ numbers.T) / (weights @ there.T))
-    return np.concatenate(rows)
+    weights = _weights(values.shape[1], seed, resamples)
+    with np.errstate(invalid="ignore"):  # a resample without any value has no mean
+        return np.asarray((weights @ np.where(there, values, 0.0).T) / (weights @ there.T))
+
+
+@lru_cache(maxsize=4)
+def _weights(count: int, seed: int, resamples: int) -> Array:
+    """How often each of `count` scenarios stands in each resample, shape (resamples, count)."""
+    rng = np.random.default_rng(seed)
+    return rng.multinomial(count, np.full(count, 1.0 / count), size=resamples).astype(np.float64)
 
 
 def estimate(values: Array, resamples: Array) -> Estimate:

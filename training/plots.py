@@ -90,7 +90,9 @@ def comparison(
         textcoords="offset points", va="top", color="#404040", fontsize=8,
     )  # fmt: skip
     left.set(xlabel="time [s]", xlim=(times[0], times[-1]), ylabel="distance from reference [mm]")
-    title(left, "Load error over time: median, and 10 to 90 % of scenarios")
+    many = distances[0].shape[1] > 1
+    spread = ": median, and 10 to 90 % of scenarios" if many else ""
+    title(left, f"Load error over time{spread}")
     _spread(right, names, colours, distances)
     save(made, path)
 
@@ -103,7 +105,8 @@ def _spread(
     for row, (colour, distance) in enumerate(zip(colours, distances, strict=True)):
         values = 1e3 * np.sqrt(np.square(distance).mean(axis=0))
         jitter = row + rng.uniform(-0.24, 0.24, len(values))
-        axes.plot(values, jitter, "o", color=colour, markersize=3, alpha=0.4, markeredgewidth=0)
+        if len(values) > 1:
+            axes.plot(values, jitter, "o", color=colour, markersize=3, alpha=0.4, markeredgewidth=0)
         low, middle, high = np.percentile(values, (25, 50, 75))
         axes.plot(
             (low, high), (row, row), color=colour, linewidth=5, alpha=0.9, solid_capstyle="round"
@@ -126,4 +129,5 @@ def _spread(
     axes.grid(visible=False, axis="y")
     axes.invert_yaxis()
     axes.set(xlabel="tracking RMSE [mm]")
-    title(axes, "Each dot is a scenario; bar: middle half")
+    many = distances[0].shape[1] > 1
+    title(axes, "Each dot is a scenario; bar: middle half" if many else "Over move and hold")

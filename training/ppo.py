@@ -195,7 +195,9 @@ class _Watch(BaseCallback):
         count = int(progress * training.command.evaluations)
         if count > self.done and progress < 1.0:
             self.done = count
-            self.bar.update(self.task, description=training.evaluate())
+            found = training.evaluate()
+            self.bar.console.print(f"{training.spent / 60.0:5.1f} min  {found}")
+            self.bar.update(self.task, description=found)
         self.bar.update(self.task, completed=progress)
 
 

@@ -157,9 +157,8 @@ def write(folder: Path, rig: Rig, runs: Sequence["Run"], scenarios: Sequence[Sce
     write_text(folder / "summary.json", json.dumps(facts, indent=2) + "\n")
     record = runs[0].record
     plots.comparison(
-        f"{rig.name.replace('_', ' ')}: {len(scenarios)} scenarios"
-        if len(scenarios) > 1
-        else f"{rig.name.replace('_', ' ')}: undisturbed",
+        f"{rig.name.replace('_', ' ')}: "
+        + (f"{len(scenarios)} disturbed scenarios" if len(scenarios) > 1 else "undisturbed"),
         [run.name for run in runs],
         record.times,
         float(np.min(record.arrival)),
