@@ -42,5 +42,5 @@ def drive_jacobian(rig: Rig, reference: Reference, times: Array) -> Array:
 
 
 def _turn(difference: Array) -> Array:
-    """A small difference, an angle perhaps, without whole turns."""
-    return np.where(np.abs(difference) > np.pi, 0.0, difference)
+    """Small differences, of angles perhaps, without whole turns."""
+    return np.asarray(np.remainder(difference + np.pi, 2.0 * np.pi) - np.pi)
