@@ -51,13 +51,13 @@ bench: $(VENV)/.core  ## measure the solver and the environments on this machine
 scenes: $(VENV)/.core  ## write the default scenes to models/*.xml
 	$(BIN)/flatrig scenes
 
-train: $(VENV)/.dev  ## train the residual policies of the overhead and the rotary crane
+train: $(VENV)/.dev  ## train a residual policy for the overhead and the rotary crane, ten minutes each, into runs/
 	$(BIN)/flatrig train overhead
 	$(BIN)/flatrig train rotary
 
-reproduce: scenes train  ## remake everything that is shipped, then compare on both cranes
-	$(BIN)/flatrig compare overhead
-	$(BIN)/flatrig compare rotary
+reproduce: scenes train  ## make the scenes and policies anew, and compare with these policies
+	$(BIN)/flatrig compare overhead --policy runs/overhead_crane-seed0/policy.json
+	$(BIN)/flatrig compare rotary --policy runs/rotary_crane-seed0/policy.json
 
 clean:  ## remove .venv, caches and build files; results/ and runs/ stay
 	rm -rf $(VENV) build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache
