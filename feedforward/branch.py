@@ -52,7 +52,7 @@ class Branch:
     @property
     def order(self) -> int:
         """Derivatives of the reference that are used."""
-        return max(self.analysis.reference_order, 2)
+        return _order(self.analysis)
 
     def near(self, times: Array) -> Array:
         """The unknowns between the grid's samples, shape (unknowns, N)."""
@@ -90,7 +90,7 @@ def branch_of(rig: Rig, reference: Reference) -> Branch:
     start = values[:, -1:]
     for samples in GRIDS:
         times = np.linspace(0.0, reference.duration, samples)
-        taylor = taylor_of(reference, times, max(analysis.reference_order, 2))
+        taylor = taylor_of(reference, times, _order(analysis))
         solution = expand(steps, len(start), taylor, start, follow=True)
         if first_wrong(solution, signs, times) is None:
             break
@@ -107,6 +107,11 @@ def branch_of(rig: Rig, reference: Reference) -> Branch:
         full = 2.0 * np.pi * np.round((turned[name] - angle[0]) / (2.0 * np.pi))
         angles[name] = angle + full
     return Branch(rig, analysis, steps, signs, times, path, rates, angles)
+
+
+def _order(analysis: Analysis) -> int:
+    """Derivatives of the reference to use: those that are needed, and the outputs' own two."""
+    return max(analysis.reference_order, 2)
 
 
 def taylor_of(reference: Reference, times: Array, order: int) -> Array:
@@ -202,7 +207,7 @@ def _approach(
     outputs = list(equations.outputs)
     tried: list[tuple[Solution, dict[int, float], Array]] = []
     for way in _ways(home[outputs], np.asarray(reference.start)):
-        taylor = np.zeros((max(analysis.reference_order, 2) + 1, *way.shape))
+        taylor = np.zeros((_order(analysis) + 1, *way.shape))
         taylor[0] = way
         solution = expand(steps, len(home), taylor, home[:, None], follow=True)
         signs = {block: float(sign[0]) for block, sign in solution.signs.items()}
