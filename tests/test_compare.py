@@ -80,8 +80,20 @@ def test_a_zero_residual_changes_nothing(runner: compare.Runner) -> None:
 def test_a_policy_for_something_else_is_refused(runner: compare.Runner) -> None:
     rotary = models.make("rotary")
     policy = zero_policy(runner)
-    with pytest.raises(OptionError, match="other observations"):
+    with pytest.raises(OptionError, match="the policy is for rig overhead_crane"):
         compare.compare(rotary, models.default_move("rotary"), [Scenario()], policy)
+
+
+def test_controllers_do_what_their_names_say(runner: compare.Runner) -> None:
+    records = {name: runner.drive(wrap) for name, wrap in compare.CONTROLLERS.items()}
+    delayed = np.array([scenario.delay for scenario in runner.scenarios])
+    first = {
+        name: made.inputs[delayed, np.arange(len(delayed)), 0] for name, made in records.items()
+    }
+    # A set point pulls the trolley at once, a moving reference as it moves.
+    assert (first["PD, set point"] > 10 * np.abs(first["PD, moving"])).all()
+    loads = [made.load[50, 0, 0] for made in records.values()]
+    assert len({round(float(load), 9) for load in loads}) == len(loads)
 
 
 def test_the_evaluation_uses_seeds_that_training_does_not() -> None:

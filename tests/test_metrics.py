@@ -56,7 +56,9 @@ def test_swing_is_the_amplitude_of_a_sinusoid() -> None:
 def test_settling_time_of_a_decay() -> None:
     offset = constant((0.0, 0.0))
     offset[:, 0, 1] = np.exp(-(TIMES - ARRIVAL))
-    assert measure(record(offset)).settling[0] == pytest.approx(np.log(20.0), abs=PERIOD)
+    found = measure(record(offset))
+    assert found.settling[0] == pytest.approx(np.log(20.0), abs=PERIOD)
+    assert found.settled[0] == 1.0
 
 
 def test_after_an_early_end_the_load_rests() -> None:
@@ -69,6 +71,7 @@ def test_after_an_early_end_the_load_rests() -> None:
     np.testing.assert_array_equal(found.failed, [0.0, 1.0])
     assert found.largest[1] == 1.0
     assert np.isnan(found.swing[1])
+    np.testing.assert_array_equal(found.settled, [0.0, 0.0])
     assert found.rmse[0] == pytest.approx(0.1)
     assert 0.8 < found.rmse[1] < 1.0
     assert np.isfinite(found.settling).all()

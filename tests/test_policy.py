@@ -4,6 +4,8 @@ import itertools
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -143,13 +145,54 @@ def test_what_is_not_a_policy_is_refused(tmp_path: Path) -> None:
         Policy.load(tmp_path / "policy")
 
 
-def test_an_environment_with_other_observations_is_refused() -> None:
+def task(policy: Policy, **changes: Any) -> Any:
+    """What `check` looks at of a task that suits a policy, with some of it changed."""
+    card = policy.card
+    fitting = {
+        "rig": SimpleNamespace(name=card.rig),
+        "period": 1.0 / card.rate,
+        "observation_names": card.observation_names,
+        "action_names": card.action_names,
+    }
+    return SimpleNamespace(**fitting | changes)
+
+
+def test_another_environment_is_refused() -> None:
     policy = random_policy()
-    policy.check(NAMES, ("trolley", "winch"))
+    policy.check(task(policy))
     with pytest.raises(OptionError, match="other observations"):
-        policy.check((*NAMES, "load.x"), ("trolley", "winch"))
+        policy.check(task(policy, observation_names=(*NAMES, "load.x")))
     with pytest.raises(OptionError, match="order"):
-        policy.check(NAMES, ("winch", "trolley"))
+        policy.check(task(policy, action_names=("winch", "trolley")))
+    with pytest.raises(OptionError, match="is for rig"):
+        policy.check(task(policy, rig=SimpleNamespace(name="another")))
+    with pytest.raises(OptionError, match="the environment at 123 Hz"):
+        policy.check(task(policy, period=1.0 / 123.0))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"rate": 0},
+        {"rate": float("inf")},
+        {"time_constants": [0, 1]},
+        {"every": 0},
+        {"every": 1.5},
+        {"smoothing": 2},
+        {"shares": [9, 9]},
+        {"shares": [1]},
+        {"rig": 5},
+        {"fraction": "a"},
+    ],
+)
+def test_values_that_no_policy_can_have_are_refused(
+    changes: dict[str, Any], tmp_path: Path
+) -> None:
+    random_policy().save(tmp_path / "policy")
+    card = json.loads((tmp_path / "policy.json").read_text())
+    (tmp_path / "policy.json").write_text(json.dumps(card | changes))
+    with pytest.raises(OptionError, match="not a flatrig policy"):
+        Policy.load(tmp_path / "policy")
 
 
 @pytest.mark.parametrize("path", sorted(SHIPPED.glob("*.json")), ids=lambda path: path.stem)

@@ -90,7 +90,7 @@ class Runner:
         """
         task, num = self.task, len(self.scenarios)
         if policy is not None:
-            policy.check(task.observation_names, task.action_names)
+            policy.check(task)
             memory = policy.start(num)
         env = wrap(self.env)
         observation, _ = env.reset(seed=0, options={"scenarios": self.scenarios})
@@ -137,6 +137,9 @@ def main(command: options.Compare) -> None:
     runs = compare(rig, move, scenarios, policy)
     write(folder, rig, runs, scenarios)
     show(rig, runs, scenarios, folder, policy)
+    if policy is not None:
+        origin = command.policy or f"shipped with flatrig, {policy.card.training.get('command')}"
+        console().print(f"residual: {origin}", style="dim", soft_wrap=True)
 
 
 def compare(
@@ -146,7 +149,7 @@ def compare(
     sensors = policy.card.sensors if policy else "encoders"
     runner = Runner(rig, move, scenarios, sensors=sensors)
     if policy is not None:
-        policy.check(runner.task.observation_names, runner.task.action_names)
+        policy.check(runner.task)
     wraps = dict(CONTROLLERS)
     if policy is not None:
         fraction = policy.card.fraction

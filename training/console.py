@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-WIDE = 118
+WIDE = 130
 """Columns to use where the output is not a terminal, whose width would be unknown."""
 
 

@@ -66,6 +66,8 @@ class Metrics:
     """Root mean square input, as a share of the limits."""
     tension: Array
     """Lowest tension of any rope [N]."""
+    settled: Array
+    """1 where the load stays within SETTLED of the goal at the end, else 0."""
     failed: Array
     """1 where the run ended early, else 0."""
 
@@ -77,15 +79,17 @@ def measure(record: Record) -> Metrics:
     """The metrics of N runs."""
     distance, alive = record.distance, record.alive
     after = record.times[:, None] >= record.arrival - 1e-9
+    whole = after & alive[-1]
     effort = np.square(record.inputs).mean(axis=2)
     lowest = np.where(alive, record.tensions.min(axis=2), np.inf).min(axis=0)
     return Metrics(
         rmse=np.sqrt(np.square(distance).mean(axis=0)),
         largest=distance.max(axis=0),
-        swing=_swing(record.load[..., :-1], after & alive),
+        swing=_swing(record.load[..., :-1], whole),
         settling=_settling(record.times, record.arrival, distance, after),
         effort=np.sqrt(np.where(alive, effort, 0.0).sum(axis=0) / np.maximum(alive.sum(axis=0), 1)),
         tension=np.where(np.isfinite(lowest), lowest, 0.0),
+        settled=np.asarray(alive[-1] & (distance[-1] <= SETTLED), dtype=float),
         failed=np.asarray(~alive[-1], dtype=float),
     )
 

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError
 from safetensors.numpy import load_file, save
 
+from ..envs.task import CraneTask
 from ..models.errors import OptionError
 from ..models.files import replacing, write_text
 
@@ -66,6 +67,29 @@ class Card:
     training: dict[str, Any] = field(default_factory=dict)
     """Command, seed, steps, versions, results: what one needs to make it again."""
     format: int = FORMAT
+
+    def __post_init__(self) -> None:
+        ranges = (
+            ("fraction", (self.fraction,), 1.0),
+            ("shares", self.shares, 1.0),
+            ("rate", (self.rate,), np.inf),
+            ("time_constants", self.time_constants, np.inf),
+            ("smoothing", (self.smoothing,), 1.0),
+            ("every", (self.every,), np.inf),
+        )
+        for name, values, highest in ranges:
+            for value in values:
+                if isinstance(value, bool) or not isinstance(value, int | float):
+                    raise ValueError(f"{name} is {value!r}, it must be a number")
+                if not (0 < value <= highest and np.isfinite(value)):
+                    raise ValueError(f"{name} is {value}, it must be in (0, {highest:g}]")
+        if self.every != int(self.every):
+            raise ValueError(f"every is {self.every}, it must be a whole number")
+        if len(self.shares) != len(self.action_names):
+            raise ValueError(f"{len(self.shares)} shares for {len(self.action_names)} actions")
+        for name in (self.rig, self.sensors, *self.observation_names, *self.action_names):
+            if not isinstance(name, str):
+                raise ValueError(f"{name!r} stands where a name must stand")
 
     @property
     def recall(self) -> "Recall":
@@ -185,20 +209,30 @@ class Policy:
                 x = np.tanh(x)
         return np.asarray(x)
 
-    def check(self, observation_names: tuple[str, ...], action_names: tuple[str, ...]) -> None:
-        """Make sure that an environment offers what the policy was trained on.
+    def check(self, task: CraneTask) -> None:
+        """Make sure that an environment's task is what the policy was trained on.
 
         Raises:
-            OptionError: it does not.
+            OptionError: it is another rig, control rate, or set of observations or actions.
         """
+        card = self.card
+        if task.rig.name != card.rig:
+            raise OptionError(
+                f"the policy is for rig {card.rig}, the environment's is {task.rig.name}"
+            )
+        if abs(task.period * card.rate - 1.0) > 1e-6:
+            raise OptionError(
+                f"the policy for {card.rig} acts at {card.rate:g} Hz, "
+                f"the environment at {1.0 / task.period:g} Hz"
+            )
         for what, has, needs in (
-            ("observations", observation_names, self.card.observation_names),
-            ("actions", action_names, self.card.action_names),
+            ("observations", task.observation_names, card.observation_names),
+            ("actions", task.action_names, card.action_names),
         ):
             if tuple(has) != tuple(needs):
                 odd = sorted(set(has) ^ set(needs)) or ["their order"]
                 raise OptionError(
-                    f"the policy for {self.card.rig} has other {what} than the environment: "
+                    f"the policy for {card.rig} has other {what} than the environment: "
                     f"{', '.join(odd)}"
                 )
 

@@ -66,6 +66,14 @@ def changes(runs: Sequence["Run"], base: str) -> dict[str, Estimate]:
     }
 
 
+def heading(rig: Rig, scenarios: Sequence[Scenario]) -> str:
+    """Of a table or figure."""
+    if list(scenarios) == [Scenario()]:
+        return f"{rig.name}: undisturbed"
+    plural = "s" if len(scenarios) > 1 else ""
+    return f"{rig.name}: {len(scenarios)} disturbed scenario{plural}"
+
+
 def show(
     rig: Rig,
     runs: Sequence["Run"],
@@ -77,10 +85,9 @@ def show(
     from .compare import BASE, RESIDUAL
 
     many = len(scenarios) > 1
-    title = f"{rig.name}: {len(scenarios)} disturbed scenarios, mean and 95 % interval"
     shown = table(
-        title if many else f"{rig.name}: undisturbed",
-        "controller", *(heading for heading, _, _ in COLUMNS.values()), "ended\nearly",
+        heading(rig, scenarios) + (", mean and 95 % interval" if many else ""),
+        "controller", *(name for name, _, _ in COLUMNS.values()), "settled", "ended\nearly",
     )  # fmt: skip
     means, relative = summary(runs), changes(runs, BASE)
     for run in runs:
@@ -92,7 +99,7 @@ def show(
             cells.append(Text(middle))
             if many:
                 cells[-1] = Text.assemble(middle, "\n", (interval, "dim"))
-        cells.append(str(int(run.metrics.failed.sum())))
+        cells += [str(int(run.metrics.settled.sum())), str(int(run.metrics.failed.sum()))]
         shown.add_row(*cells)
     out = console()
     if policy is None:
@@ -102,11 +109,14 @@ def show(
         if many and name == RESIDUAL:
             middle, interval = _percent(change)
             out.print(f"{name}: tracking error {middle} against {BASE} {interval}")
-    out.print(
-        f"Settled: within {1e3 * SETTLED:g} mm of the goal. After an early end the load "
-        f"counts as resting. Intervals: paired bootstrap, {RESAMPLES} resamples.",
-        style="dim", soft_wrap=True,
-    )  # fmt: skip
+    notes = [
+        f"Settled: stays within {1e3 * SETTLED:g} mm of the goal; one that does not counts with "
+        "the whole time after arrival.",
+        "After an early end the load counts as resting, and its swing not at all.",
+    ]
+    if many:
+        notes.append(f"Intervals: paired bootstrap, {RESAMPLES} resamples.")
+    out.print(" ".join(notes), style="dim", soft_wrap=True)
     out.print(f"wrote {folder}/scenarios.csv, summary.json, figure.png", soft_wrap=True)
 
 
@@ -157,8 +167,7 @@ def write(folder: Path, rig: Rig, runs: Sequence["Run"], scenarios: Sequence[Sce
     write_text(folder / "summary.json", json.dumps(facts, indent=2) + "\n")
     record = runs[0].record
     plots.comparison(
-        f"{rig.name.replace('_', ' ')}: "
-        + (f"{len(scenarios)} disturbed scenarios" if len(scenarios) > 1 else "undisturbed"),
+        heading(rig, scenarios).replace("_", " "),
         [run.name for run in runs],
         record.times,
         float(np.min(record.arrival)),

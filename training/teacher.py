@@ -50,14 +50,14 @@ class Teacher:
         self._sum[ids] = 0.0
         self._step[ids] = 0
 
-    def watch(self) -> None:
-        """Take in the present state."""
+    def watch(self, ids: Any = slice(None)) -> None:
+        """Take in the present state; time has gone on in some simulations."""
         task = self._task
         self._off = task.rows.parts["outputs"] - task.plant.outputs
         self._drift = task.rows.parts["output_rates"] - task.plant.output_rates
-        self._sum += task.period * self._off
+        self._sum[ids] += task.period * self._off[ids]
         np.clip(self._sum, -MEMORY, MEMORY, out=self._sum)
-        self._step += 1
+        self._step[ids] += 1
 
     def advice(self) -> Array:
         """Residuals as shares of `fractions`, (n, drives) in [-1, 1]."""

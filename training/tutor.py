@@ -48,7 +48,7 @@ class Tutor(gym.vector.VectorWrapper[Any, Any, Any, Any, Any]):
         for sim in np.flatnonzero(chosen):
             self._hints[sim] = _hints(self._task.scenarios[sim], self._weight)
         self._teacher.reset(chosen)
-        self._teacher.watch()
+        self._teacher.watch(chosen)
         return self._told(observation), info
 
     def step(self, actions: Array) -> tuple[Array, Array, Mask, Mask, dict[str, Any]]:
