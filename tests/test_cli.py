@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from flatrig import feedforward, models
+from flatrig.models.files import replacing
 from flatrig.training.cli import main
 
 MY_CRANE = """
@@ -111,11 +112,30 @@ def test_solve_changes_numbers_of_parts_and_of_the_move(tmp_path: Path) -> None:
     assert table[0, names.index("winch")] == pytest.approx(-50 * 9.81 * 0.1)
 
 
-def test_nothing_is_left_of_a_file_that_could_not_be_finished(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
+def test_nothing_is_left_of_a_file_that_could_not_be_finished(tmp_path: Path) -> None:
+    (tmp_path / "old.csv").write_text("old")
+
+    def fail(path: Path) -> None:
+        with replacing(path) as beside:
+            beside.write_text("half")
+            assert beside.parent == path.parent
+            raise ZeroDivisionError
+
+    for name in ("old.csv", "new.csv"):
+        with pytest.raises(ZeroDivisionError):
+            fail(tmp_path / name)
+    assert [path.name for path in tmp_path.iterdir()] == ["old.csv"]
+    assert (tmp_path / "old.csv").read_text() == "old"
+
+
+def test_what_the_system_refuses_gets_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    refuse(capsys, "solve", "overhead", "--order", "2", "-o", "torques.csv")
-    assert list(tmp_path.iterdir()) == []
+    def full(command: object) -> None:
+        raise OSError(28, "No space left on device", "a.csv")
+
+    monkeypatch.setattr("flatrig.training.describe.write_solution", full)
+    assert "a.csv: No space left on device" in refuse(capsys, "solve", "overhead")
 
 
 WRONG = {
@@ -142,6 +162,9 @@ WRONG = {
     "no scenarios": (["compare", "overhead", "--scenarios", "0"], "--scenarios is 0"),
     "no policy there": (["compare", "overhead", "--policy", "nix.json"], "nix.json"),
     "no time": (["train", "overhead", "--minutes", "0"], "--minutes is 0"),
+    "no decisions": (["train", "overhead", "--steps", "-5"], "--steps is -5"),
+    "negative seed": (["train", "overhead", "--seed", "-1"], "--seed is -1"),
+    "huge seed": (["train", "overhead", "--seed", "4294967296"], "4294967295"),
     "strange film": (["render", "overhead", "-o", "film.avi"], ".gif, .mp4 or .png"),
 }
 

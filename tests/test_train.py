@@ -1,8 +1,10 @@
-"""Training, end to end and small: adapter, export, result folder, checkpoints."""
+"""Training, end to end and small: imitation, export, result folder, checkpoints."""
 
 import csv
+import io
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,19 +15,18 @@ pytest.importorskip("stable_baselines3")
 pytest.importorskip("torch")
 
 import torch
-from stable_baselines3.common.vec_env import VecEnv
+from rich.console import Console
 
-from flatrig import feedforward, models
+from flatrig import models
 from flatrig.models.errors import OptionError
-from flatrig.training import compare
 from flatrig.training.cli import main
-from flatrig.training.policy import Policy, Recall
-from flatrig.training.sb3 import Adapter
-from flatrig.training.teacher import Teacher
-from flatrig.training.tutor import FAILURE, REWARD, Tutor
+from flatrig.training.options import Train
+from flatrig.training.policy import Policy
+from flatrig.training.ppo import Training
+from flatrig.training.sb3 import export
+from flatrig.training.train import Settings
 
 RIG = models.overhead_crane()
-MOVE = models.Move(start=(0.0, -4.0), goal=(0.5, -3.5), duration=1.5)
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -38,115 +39,97 @@ def _few_scenarios() -> Iterator[None]:
 SHORT = ["--goal", "0.5", "-3.5", "--duration", "1.5", "--envs", "4", "--evaluations", "1"]
 
 
-def adapter(num: int = 3, hold: float = 0.1, episode: int = 10_000, every: int = 1) -> Adapter:
-    names = compare.environment(RIG, MOVE, 1).observation_names
-    env = compare.environment(RIG, MOVE, num, sensors="full", hold=hold)
-    teacher = Teacher(env.task, feedforward.from_move(MOVE), 0.1)
-    tutor = Tutor(compare.with_residual(env, 0.2), names, 0.1, teacher)
-    recall = Recall(len(names), 2, 0.02, (0.2, 1.0), 0.5, every, (1.0, 1.0))
-    made = Adapter(tutor, recall, episode)
-    made.seed(11)
-    return made
+def training_in(folder: Path, settings: Settings | None = None, **more: Any) -> Training:
+    command = Train("overhead", goal=(0.5, -3.5), duration=1.5, envs=4, evaluations=1, **more)
+    out = Console(file=io.StringIO(), width=200)
+    return Training(*command.target(), command, settings or Settings(), folder, out)
 
 
-def test_episodes_restart_in_the_step_in_which_they_end() -> None:
-    made = adapter()
-    assert isinstance(made, VecEnv)
-    first = made.reset()
-    assert first.shape == (3, *made.observation_space.shape)
-    assert first.dtype == np.float32
-    action = np.full((3, 2), 0.2, dtype=np.float32)
-    for step in range(1, 81):
-        observation, reward, done, infos = made.step(action)
-        assert made.observation_space.contains(observation[0])
-        assert (reward <= REWARD).all()
-        assert done.all() == (step == 80)
-        assert step == 80 or infos == [{}] * 3
-    final = np.array([info["terminal_observation"] for info in infos])
-    assert all(info["TimeLimit.truncated"] for info in infos)
-    assert [info["episode"]["l"] for info in infos] == [80] * 3
-    np.testing.assert_array_equal(made.memory.action, 0.0)
-    assert np.abs(observation - final).max() > 0.5
-    start = np.abs(made.memory.slow[:, :, :-2] - made.memory.slow[:, :1, :-2]).max()
-    assert start == 0.0  # filters begin at the first observation
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Training:
+    training = training_in(tmp_path_factory.mktemp("finished"), steps=600, seed=5)
+    training.run()
+    return training
 
 
-def test_first_episodes_end_at_different_times_and_others_go_on() -> None:
-    made = adapter(num=4, episode=80)
-    made.reset()
-    ended = []
-    for step in range(1, 101):
-        before = made.memory.slow.copy()
-        _, _, done, _ = made.step(np.zeros((4, 2)))
-        ended += [(step, int(i)) for i in np.flatnonzero(done)]
-        assert np.abs(made.memory.slow - before)[~done].max(initial=0.0) < 1.0
-    assert ended == [(20, 0), (40, 1), (60, 2), (80, 3), (100, 0)]
+def test_a_resumed_run_has_the_numbers_of_the_run_before(finished: Training) -> None:
+    again = training_in(finished.folder, steps=600, seed=5, resume=True)
+    assert (again.steps, again.spent, again.best) == (
+        finished.steps,
+        finished.spent,
+        finished.best,
+    )
+    weights = finished.model.policy.state_dict()
+    assert weights["action_net.weight"].abs().max() > 0
+    for name, value in again.model.policy.state_dict().items():
+        torch.testing.assert_close(value, weights[name], rtol=0, atol=0)
+    moments = finished.model.policy.optimizer.state_dict()["state"]
+    restored = again.model.policy.optimizer.state_dict()["state"]
+    assert restored.keys() == moments.keys()
+    assert len(moments) > 0
+    for index, entries in moments.items():
+        assert {"step", "exp_avg", "exp_avg_sq"} <= entries.keys() == restored[index].keys()
+        for name, value in entries.items():
+            torch.testing.assert_close(restored[index][name], value, rtol=0, atol=0)
+    ours, theirs = again.adapter.normaliser, finished.adapter.normaliser
+    np.testing.assert_array_equal(ours.mean, theirs.mean)
+    np.testing.assert_array_equal(ours.var, theirs.var)
+    assert ours.count == theirs.count
 
 
-def test_several_periods_make_one_decision() -> None:
-    fine, coarse = adapter(), adapter(every=4)
-    fine.reset(), coarse.reset()
-    action = np.full((3, 2), 0.4)
-    rewards = [fine.step(action)[1] for _ in range(8)]
-    sums = [coarse.step(action)[1] for _ in range(2)]
-    np.testing.assert_allclose(np.sum(rewards, axis=0), np.sum(sums, axis=0), rtol=1e-5)
-    np.testing.assert_array_equal(fine.memory.slow, coarse.memory.slow)
-    assert len(coarse.lessons) == 2
-
-
-def test_the_teacher_brings_the_load_to_its_path() -> None:
-    runner = compare.Runner(RIG, MOVE, compare.scenarios_for(RIG, 8), sensors="full")
-    teacher = Teacher(runner.task, feedforward.from_move(MOVE), 0.12)
+def test_a_resumed_run_does_not_meet_its_first_scenarios_again(finished: Training) -> None:
     found = []
-    for taught in (0.0, 1.0):
-        env = compare.with_residual(runner.env, float(teacher.fractions.max()))
-        env.reset(seed=0, options={"scenarios": runner.scenarios})
-        teacher.reset()
-        teacher.watch()
-        errors = []
-        for _ in range(runner.steps):
-            advice = teacher.advice() * teacher.fractions / teacher.fractions.max()
-            *_, info = env.step(taught * advice)
-            teacher.watch()
-            errors.append(np.linalg.norm(info["load"] - info["reference"], axis=1))
-        found.append(np.sqrt(np.square(errors).mean()))
-    assert found[1] < 0.5 * found[0]
+    for resume in (False, False, True):
+        training = training_in(finished.folder, steps=600, seed=5, resume=resume)
+        training.adapter.reset()
+        found.append(list(training.adapter.env.unwrapped.task.scenarios))
+    assert found[0] == found[1]
+    assert not set(map(repr, found[0])) & set(map(repr, found[2]))
 
 
-def test_an_early_end_is_no_time_limit_and_costs() -> None:
-    made = adapter(num=2, hold=4.0)
-    made.env = Failing(made.env)
-    made.reset()
-    _, reward, done, infos = made.step(np.zeros((2, 2)))
-    np.testing.assert_array_equal(done, [True, False])
-    assert reward[0] == -FAILURE
-    assert infos[0]["TimeLimit.truncated"] is False
-    assert infos[1] == {}
+def test_the_last_line_says_which_policy_is_best_and_where(finished: Training) -> None:
+    file: Any = finished.out.file
+    line = file.getvalue().splitlines()[-1]
+    best = json.loads((finished.folder / "policy.json").read_text())["training"]["steps"]
+    assert line.startswith(f"best policy, of decision {best}: ")
+    assert "on the validation scenarios that it was selected on" in line
 
 
-class Failing:
-    """Ends the first simulation's episode at once."""
-
-    def __init__(self, env: Any) -> None:
-        self.env, self.num_envs, self.unwrapped = env, env.num_envs, env.unwrapped
-        self.reset, self.advice = env.reset, env.advice
-
-    def step(self, actions: np.ndarray) -> Any:
-        observation, reward, terminated, truncated, info = self.env.step(actions)
-        terminated[0], reward[0] = True, -FAILURE
-        return observation, reward, terminated, truncated, info
+def test_an_evaluation_tells_of_early_ends(
+    finished: Training, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    judge, whole = finished.judge, finished.judge.residual
+    monkeypatch.setattr(finished, "folder", tmp_path)
+    assert "ended" not in finished.evaluate()
+    failed = np.array([1.0, 0.0, 1.0, 1.0])
+    monkeypatch.setattr(judge, "residual", lambda *given: replace(whole(*given), failed=failed))
+    assert finished.evaluate().endswith("%), 3 ended early")
 
 
-def test_the_critic_is_told_the_scenario_and_the_actor_is_not() -> None:
-    made = adapter()
-    made.reset()
-    observation, _ = made.env.reset()
-    heavy = np.array([scenario.load_mass for scenario in made.env.unwrapped.task.scenarios])
-    public = made.recall.observations
-    names = compare.environment(RIG, MOVE, 1).observation_names
-    assert public == len(names)
-    hints = observation[:, len(made.env.unwrapped.observation_names) :]
-    np.testing.assert_allclose(hints[:, 0], 3.0 * (heavy - 1.0))
+def test_the_actor_ignores_what_only_the_critic_may_see(finished: Training) -> None:
+    network: Any = finished.model.policy
+    public = finished.recall.features
+    told = torch.rand(20, public + finished.adapter.private)
+    other = told.clone()
+    other[:, public:] += 1.0
+    with torch.no_grad():
+        actions = [network._predict(x, deterministic=True) for x in (told, other)]
+        values = [network.predict_values(x) for x in (told, other)]
+        changed = network._predict(told + 1.0, deterministic=True)
+    torch.testing.assert_close(actions[0], actions[1], rtol=0, atol=0)
+    assert (values[0] - values[1]).abs().min() > 0
+    assert (actions[0] - changed).abs().min() > 0
+
+
+def test_imitation_comes_close_to_the_teacher(tmp_path: Path) -> None:
+    training = training_in(tmp_path, Settings(imitation=1.0), steps=800)
+    training.run()
+    parts: Any = training.model.policy.mlp_extractor
+    head: Any = training.model.policy.action_net
+    places, said = (torch.cat(column) for column in zip(*training.model.lessons, strict=True))
+    with torch.no_grad():
+        left = (head(parts.forward_actor(places)) - said).square().mean()
+    assert left < 0.5 * said.square().mean()  # the actor starts at 0
 
 
 @pytest.fixture(scope="module")
@@ -174,15 +157,7 @@ def test_a_run_says_what_it_was(trained: Path) -> None:
 
 
 def test_numpy_and_torch_agree(trained: Path) -> None:
-    from flatrig.training.console import console
-    from flatrig.training.options import Train
-    from flatrig.training.ppo import Training
-    from flatrig.training.sb3 import export
-    from flatrig.training.train import Settings
-
-    command = Train("overhead", goal=(0.5, -3.5), duration=1.5, envs=4, resume=True)
-    rig, move = command.target()
-    training = Training(rig, move, command, Settings(), trained, console())
+    training = training_in(trained, resume=True)
     network: Any = training.model.policy
     with torch.no_grad():
         torch.manual_seed(0)
@@ -199,12 +174,39 @@ def test_numpy_and_torch_agree(trained: Path) -> None:
     assert training.steps >= 1000
 
 
-def test_resuming_goes_on_where_it_stopped(trained: Path, tmp_path: Path) -> None:
+def test_resuming_goes_on_where_it_stopped(trained: Path) -> None:
     steps = json.loads((trained / "checkpoint.json").read_text())["steps"]
-    argv = ["train", "overhead", *SHORT, "--steps", str(steps + 600), "-o", str(trained)]
-    assert main([*argv, "--resume"]) == 0
+    assert main(["train", "overhead", "-o", str(trained), "--resume"]) == 0
+    same = json.loads((trained / "checkpoint.json").read_text())["steps"]
+    assert same <= steps + 4  # the budget is the run's own, and spent
+    more = ["--steps", str(same + 600), "-o", str(trained)]
+    assert main(["train", "overhead_crane", *SHORT, *more, "--resume"]) == 0
     again = json.loads((trained / "checkpoint.json").read_text())
-    assert steps + 600 <= again["steps"] < steps + 600 + 2 * 512
+    assert same + 600 <= again["steps"] < same + 600 + 2 * 512
+    config = json.loads((trained / "config.json").read_text())
+    assert config["options"]["steps"] == 1000
+    assert [later["steps"] for later in config["resumed"]] == [1000, same + 600]
+    assert [later["from"] for later in config["resumed"]] == [steps, same]
+
+
+@pytest.mark.parametrize(
+    ("argv", "expected"),
+    [
+        (["overhead", "--envs", "8"], "--envs is 8, but the run in"),
+        (["overhead", "--seed", "7"], "begun with 0"),
+        (["overhead", "--goal", "0.6", "-3.5"], "begun with 0.5 -3.5"),
+        (["overhead", "--set", "load_mass=80"], "begun with none"),
+        (["rotary"], "rotary is not the rig"),
+    ],
+    ids=["envs", "seed", "goal", "set", "rig"],
+)
+def test_another_run_is_not_resumed(
+    argv: list[str], expected: str, trained: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = {path.name: path.read_bytes() for path in trained.iterdir()}
+    assert main(["train", *argv, "-o", str(trained), "--resume"]) == 2
+    assert expected in capsys.readouterr().err
+    assert {path.name: path.read_bytes() for path in trained.iterdir()} == before
 
 
 def test_a_run_is_not_overwritten_and_not_resumed_from_nothing(
@@ -214,6 +216,33 @@ def test_a_run_is_not_overwritten_and_not_resumed_from_nothing(
     assert "holds a run already" in capsys.readouterr().err
     assert main(["train", "overhead", "-o", str(tmp_path / "none"), "--resume"]) == 2
     assert "no checkpoint" in capsys.readouterr().err
+
+
+def test_a_run_that_cannot_begin_leaves_nothing(tmp_path: Path) -> None:
+    argv = ["train", "overhead", "--goal", "9", "-1", "-o", str(tmp_path / "run")]
+    assert main(argv) == 2
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_run_without_a_checkpoint_is_begun_anew(tmp_path: Path) -> None:
+    for name in ("config.json", "progress.csv", "evaluation.csv"):
+        (tmp_path / name).write_text("of the run before\n")
+    assert main(["train", "overhead", *SHORT, "--steps", "100", "-o", str(tmp_path)]) == 0
+    assert "checkpoint.json" in {path.name for path in tmp_path.iterdir()}
+    assert "of the run before" not in (tmp_path / "evaluation.csv").read_text()
+
+
+def test_a_folder_where_a_table_should_be(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from flatrig.models.files import OutputError
+    from flatrig.training.train import append_csv
+
+    (tmp_path / "evaluation.csv").mkdir()
+    assert main(["train", "overhead", *SHORT, "--steps", "100", "-o", str(tmp_path)]) == 2
+    assert "evaluation.csv: it is there already" in capsys.readouterr().err
+    with pytest.raises(OutputError, match="Is a directory"):
+        append_csv(tmp_path / "evaluation.csv", {"steps": 1})
 
 
 def test_a_damaged_checkpoint_is_refused(trained: Path, tmp_path: Path) -> None:

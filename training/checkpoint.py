@@ -43,7 +43,8 @@ def read(folder: Path, model: "PPO", adapter: "Adapter") -> dict[str, Any]:
         OptionError: the files are missing, damaged, or of another network.
     """
     try:
-        state: dict[str, Any] = json.loads((folder / f"{NAME}.json").read_text(encoding="utf-8"))
+        held = json.loads((folder / f"{NAME}.json").read_text(encoding="utf-8"))
+        state = {"steps": int(held["steps"])} | {k: float(held[k]) for k in ("spent", "best")}
         tensors = load_file(folder / f"{NAME}.safetensors")
         network = {
             k.removeprefix("network."): v for k, v in tensors.items() if k.startswith("network.")
@@ -65,7 +66,7 @@ def read(folder: Path, model: "PPO", adapter: "Adapter") -> dict[str, Any]:
         raise OptionError(
             f"cannot read the checkpoint in {folder}: {error.strerror or error}"
         ) from None
-    except (ValueError, KeyError, RuntimeError, SafetensorError) as error:
+    except (ValueError, KeyError, TypeError, RuntimeError, SafetensorError) as error:
         reason = " ".join(str(error).split())
         raise OptionError(f"the checkpoint in {folder} does not fit: {reason}") from None
     return state

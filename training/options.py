@@ -15,6 +15,9 @@ from tyro.conf import Positional, arg
 from ..models import Move, Rig, default_move, load, make
 from ..models.errors import OptionError, did_you_mean
 
+MINUTES = 10.0
+"""To train for, if nothing else is said."""
+
 Output = Annotated[str, arg(aliases=("-o",), metavar="PATH")]
 
 
@@ -103,10 +106,10 @@ class Train(RigOptions):
 
     seed: int = 0
     """Seed of the network, the exploration and the training scenarios."""
-    minutes: float = 10.0
-    """Wall-clock time to train for."""
-    steps: int = 0
-    """Decisions of the policy to train for instead of `minutes`, if > 0."""
+    minutes: float | None = None
+    """Wall-clock time to train for; 10 if left out."""
+    steps: int | None = None
+    """Decisions of the policy to train for, instead of `minutes`."""
     envs: int = 64
     """Simulations in parallel."""
     threads: int = 2
@@ -118,7 +121,14 @@ class Train(RigOptions):
     output: Output = ""
     """Result folder; runs/RIG-seedSEED if left out."""
     resume: bool = False
-    """Continue from the last checkpoint in the result folder."""
+    """Continue from the last checkpoint in the result folder, with its options; only `minutes`,
+    `steps`, `threads` and `evaluations` may be others."""
+
+    def progress(self, steps: int, seconds: float) -> float:
+        """Share of the budget that is spent after so many decisions and so much time."""
+        if self.steps:
+            return min(1.0, steps / self.steps)
+        return min(1.0, seconds / (60.0 * (self.minutes or MINUTES)))
 
 
 @dataclass(frozen=True)

@@ -83,6 +83,8 @@ class Training:
 
     def run(self) -> Policy:
         """Train until the time or the steps are spent; returns the best policy."""
+        if self.command.resume:
+            self.out.print(f"going on with seed {self.command.seed} at decision {self.steps}")
         self.out.print(
             f"feedforward + PD: tracking RMSE {1e3 * self.base:.1f} mm over "
             f"{VALIDATION_SCENARIOS} scenarios that are not trained on; training to {self.folder}",
@@ -96,20 +98,24 @@ class Training:
         self.evaluate()
         best = Policy.load(self.folder / "policy")
         result = self.judge.residual(best, self.fraction)
-        change = result.rmse.mean() / self.base - 1.0
         self.out.print(
-            f"best policy: {1e3 * result.rmse.mean():.1f} mm, {100 * change:+.1f} %, "
-            f"after {self.steps} decisions in {self.spent / 60:.1f} min; "
+            f"best policy, of decision {best.card.training['steps']}: "
+            f"{self._said(float(result.rmse.mean()), int(result.failed.sum()))} "
+            "on the validation scenarios that it was selected on; "
+            f"{self.steps} decisions in {self.spent / 60:.1f} min; "
             f"written to {self.folder}/policy.json",
             soft_wrap=True,
         )
         return best
 
+    def _said(self, rmse: float, failed: int) -> str:
+        """An evaluation in words."""
+        early = f", {failed} ended early" if failed else ""
+        return f"{1e3 * rmse:.1f} mm ({100 * (rmse / self.base - 1.0):+.0f} %){early}"
+
     def progress(self) -> float:
         """Share of the budget that is spent."""
-        if self.command.steps > 0:
-            return min(1.0, self.steps / self.command.steps)
-        return min(1.0, self.spent / (60.0 * self.command.minutes))
+        return self.command.progress(self.steps, self.spent)
 
     def evaluate(self) -> str:
         """Judge the present policy, keep it if it is the best, and write a checkpoint."""
@@ -133,7 +139,7 @@ class Training:
             replace_card.save(self.folder / "policy")
         state = {"steps": self.steps, "spent": self.spent, "best": self.best}
         checkpoint.write(self.folder, self.model, self.adapter, state)
-        return f"{1e3 * rmse:.1f} mm ({100 * (rmse / self.base - 1.0):+.0f} %)"
+        return self._said(rmse, failed)
 
     def _model(self) -> Student:
         settings = self.settings
@@ -168,8 +174,10 @@ class Training:
 
     def _resume(self) -> None:
         state = checkpoint.read(self.folder, self.model, self.adapter)
-        self.steps = self.model.num_timesteps = int(state["steps"])
-        self.spent, self.best = float(state["spent"]), float(state["best"])
+        self.steps = self.model.num_timesteps = state["steps"]
+        self.spent, self.best = state["spent"], state["best"]
+        chance = np.random.SeedSequence([self.command.seed, self.steps])
+        self.model.set_random_seed(int(chance.generate_state(1)[0]))  # what was seen is not again
 
 
 class _Watch(BaseCallback):

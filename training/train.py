@@ -13,12 +13,12 @@ import os
 import platform
 import shlex
 import sys
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields, replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from ..models import Move, Rig, dumps
+from ..models import dumps, loads
 from ..models.errors import OptionError
 from ..models.files import OutputError, write_text
 from . import options
@@ -27,6 +27,9 @@ from .console import console
 VALIDATION_SEED = 2001_2016
 """Of the scenarios on which policies are judged during training."""
 VALIDATION_SCENARIOS = 50
+TABLES = ("progress.csv", "evaluation.csv")
+FREE = ("minutes", "steps", "threads", "evaluations")
+"""Options in which the rest of a resumed run may differ from its beginning."""
 PACKAGES = ("flatrig", "numpy", "mujoco", "gymnasium", "torch", "stable-baselines3")
 
 
@@ -78,21 +81,42 @@ class Settings:
 
 def main(command: options.Train) -> None:
     """Train, with a result folder."""
-    rig, move = command.target()
-    options.check_number("--minutes", command.minutes)
-    for name in ("envs", "threads", "evaluations"):
-        options.check_number(f"--{name}", getattr(command, name))
-    options.check_number("--fraction", command.fraction, open_end=False)
-    if command.fraction > 1:
-        raise OptionError(f"--fraction is {command.fraction:g}, it must be <= 1")
+    check(command)
     check_extra()
     folder = Path(command.output or f"runs/{command.label()}-seed{command.seed}")
     settings = Settings(fraction=command.fraction) if command.fraction else Settings()
-    prepare(folder, command, rig, move, settings)
+    facts: dict[str, Any] = {}
+    if command.resume:
+        command, settings, facts = begun(folder, command)
+    elif (folder / "checkpoint.json").exists():
+        raise OptionError(f"{folder} holds a run already; add --resume, or choose another --output")
+    elif command.minutes is None and command.steps is None:
+        command = replace(command, minutes=options.MINUTES)
+    rig, move = command.target()
     from .ppo import Training
 
     training = Training(rig, move, command, settings, folder, console())
+    if not command.resume:
+        start(folder)
+    describe(folder, command, settings, dumps(rig, move), facts, training.steps)
     training.run()
+
+
+def check(command: options.Train) -> None:
+    """Refuse numbers that no run can have.
+
+    Raises:
+        OptionError: naming the option.
+    """
+    for name in ("minutes", "steps", "envs", "threads", "evaluations"):
+        value = getattr(command, name)
+        if value is not None:
+            options.check_number(f"--{name}", value)
+    if not 0 <= command.seed < 2**32:
+        raise OptionError(f"--seed is {command.seed}, it must be in 0 .. {2**32 - 1}")
+    options.check_number("--fraction", command.fraction, open_end=False)
+    if command.fraction > 1:
+        raise OptionError(f"--fraction is {command.fraction:g}, it must be <= 1")
 
 
 def check_extra() -> None:
@@ -110,34 +134,107 @@ def check_extra() -> None:
         )
 
 
-def prepare(folder: Path, command: options.Train, rig: Rig, move: Move, settings: Settings) -> None:
-    """Make the result folder and say in it what runs.
+def begun(folder: Path, command: options.Train) -> tuple[options.Train, Settings, dict[str, Any]]:
+    """What a run to resume was begun with: options, settings, and all of its config.json.
+
+    An option that `command` leaves at its default is the run's own, the budget that of the last
+    resumption.
 
     Raises:
-        OptionError: there is a run in it already and `--resume` is not given, or none to resume.
-        OutputError: the folder cannot be written.
+        OptionError: there is no run, or `command` asks for another one.
     """
     config = folder / "config.json"
-    if command.resume:
-        if not (folder / "checkpoint.json").exists():
-            raise OptionError(f"there is no checkpoint in {folder} to resume from")
-    elif config.exists():
-        raise OptionError(f"{folder} holds a run already; add --resume, or choose another --output")
+    if not (folder / "checkpoint.json").exists():
+        raise OptionError(f"there is no checkpoint in {folder} to resume from")
+    try:
+        facts = json.loads(config.read_text(encoding="utf-8"))
+        settings = Settings(**_tuples(facts["settings"]))
+        held = _tuples(facts["options"])
+        for later in facts.get("resumed", []):
+            held |= {"minutes": later["minutes"], "steps": later["steps"]}
+        rig = facts["rig"]
+    except OSError as error:
+        raise OptionError(f"cannot read {config}: {error.strerror}") from None
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise OptionError(f"{config} is of no run that this version can resume: {error}") from None
+    values: dict[str, Any] = {}
+    other = f"{command.rig} is not the rig with the move in {config}, which the run is about"
+    if command.target()[0].name != loads(rig)[0].name:
+        raise OptionError(other)
+    for item in fields(command):
+        name, given = item.name, getattr(command, item.name)
+        if name in ("rig", "output", "resume") or name not in held:
+            continue
+        if given == item.default:
+            values[name] = held[name]
+        elif name not in FREE and given != held[name]:
+            raise OptionError(
+                f"--{name} is {_text(given)}, but the run in {folder} was begun with "
+                f"{_text(held[name])}; leave it out to go on with that run"
+            )
+    if command.minutes is not None or command.steps is not None:
+        values |= {"minutes": command.minutes, "steps": command.steps}
+    command = replace(command, **values)
+    check(replace(command, steps=command.steps or None))
+    if dumps(*command.target()) != rig:
+        raise OptionError(other)
+    return command, settings, facts
+
+
+def _tuples(entries: dict[str, Any]) -> dict[str, Any]:
+    return {k: tuple(v) if isinstance(v, list) else v for k, v in entries.items()}
+
+
+def _text(value: Any) -> str:
+    return " ".join(map(str, value)) or "none" if isinstance(value, tuple) else str(value)
+
+
+def start(folder: Path) -> None:
+    """Make the result folder; what a run that stopped before its first checkpoint left goes.
+
+    Raises:
+        OutputError: the folder cannot be written, or holds tables that are not of a run.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        unfinished = (folder / "config.json").exists()
+        for table in (folder / name for name in TABLES):
+            if unfinished and not table.is_dir():
+                table.unlink(missing_ok=True)
+            elif table.exists():
+                raise OutputError(f"cannot write {table}: it is there already")
     except OSError as error:
         raise OutputError(f"cannot write {folder}: {error.strerror}") from None
-    facts = {
-        "command": command_line(),
-        "options": asdict(command),
-        "settings": asdict(settings),
-        "validation": {"seed": VALIDATION_SEED, "scenarios": VALIDATION_SCENARIOS},
-        "versions": versions(),
-        "machine": {"system": platform.platform(), "processors": os.cpu_count()},
-        "rig": dumps(rig, move),
-    }
-    if not command.resume:
-        write_text(config, json.dumps(facts, indent=2) + "\n")
+
+
+def describe(
+    folder: Path,
+    command: options.Train,
+    settings: Settings,
+    rig: str,
+    facts: dict[str, Any],
+    steps: int,
+) -> None:
+    """Write config.json: what runs, or with the `facts` of a run, that it goes on at `steps`.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    if facts:
+        later = {"command": command_line(), "from": steps}
+        later |= {"minutes": command.minutes, "steps": command.steps}
+        facts = facts | {"resumed": [*facts.get("resumed", []), later]}
+    else:
+        facts = {
+            "command": command_line(),
+            "options": asdict(command),
+            "settings": asdict(settings),
+            "validation": {"seed": VALIDATION_SEED, "scenarios": VALIDATION_SCENARIOS},
+            "versions": versions(),
+            "machine": {"system": platform.platform(), "processors": os.cpu_count()},
+            "rig": rig,
+        }
+    write_text(folder / "config.json", json.dumps(facts, indent=2) + "\n")
 
 
 def command_line() -> str:
@@ -157,9 +254,16 @@ def versions() -> dict[str, str]:
 
 
 def append_csv(path: Path, row: dict[str, Any]) -> None:
-    """Add a row to a CSV, its header first."""
+    """Add a row to a CSV, its header first.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
     new = not path.exists()
-    with path.open("a", encoding="utf-8") as file:
-        if new:
-            file.write(",".join(row) + "\n")
-        file.write(",".join(str(value) for value in row.values()) + "\n")
+    try:
+        with path.open("a", encoding="utf-8") as file:
+            if new:
+                file.write(",".join(row) + "\n")
+            file.write(",".join(str(value) for value in row.values()) + "\n")
+    except OSError as error:
+        raise OutputError(f"cannot write {path}: {error.strerror}") from None
