@@ -12,7 +12,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from flatrig import feedforward, models
 from flatrig.training import compare
-from flatrig.training.policy import Recall
+from flatrig.training.recall import Recall
 from flatrig.training.sb3 import Adapter
 from flatrig.training.teacher import Teacher
 from flatrig.training.tutor import FAILURE, REWARD, Tutor

@@ -31,6 +31,7 @@ from safetensors.numpy import load_file, save
 from ..envs.task import CraneTask
 from ..models.errors import OptionError
 from ..models.files import replacing, write_text
+from .recall import Memory, Recall
 
 Array = NDArray[np.float64]
 
@@ -92,80 +93,12 @@ class Card:
                 raise ValueError(f"{name!r} stands where a name must stand")
 
     @property
-    def recall(self) -> "Recall":
+    def recall(self) -> Recall:
         """The memory's law."""
         return Recall(
             len(self.observation_names), len(self.action_names), 1.0 / self.rate,
             self.time_constants, self.smoothing, self.every, self.shares,
         )  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class Memory:
-    """Filters and last actions of a number of simulations; changed in place."""
-
-    action: Array
-    """Last action, shape (num, actions)."""
-    aim: Array
-    """Where it is drawn to, shape (num, actions)."""
-    slow: Array
-    """Filtered observations and actions, shape (num, filters, observations + actions)."""
-    age: NDArray[np.int64]
-    """Control periods since the episode began, shape (num,)."""
-
-    def reset(self, ids: NDArray[np.bool_] | slice = slice(None)) -> None:
-        """Forget the past of some simulations."""
-        self.action[ids] = 0.0
-        self.aim[ids] = 0.0
-        self.age[ids] = 0
-
-
-@dataclass(frozen=True, eq=False)
-class Recall:
-    """The memory's law: features from observations, smooth actions from outputs."""
-
-    observations: int
-    actions: int
-    period: float
-    """Control period [s]."""
-    time_constants: tuple[float, ...]
-    smoothing: float
-    every: int
-    shares: tuple[float, ...]
-
-    @property
-    def features(self) -> int:
-        """Number of the network's inputs."""
-        return (self.observations + self.actions) * (1 + len(self.time_constants))
-
-    def start(self, num: int) -> Memory:
-        """A memory without a past, for `num` simulations."""
-        width = self.observations + self.actions
-        return Memory(
-            action=np.zeros((num, self.actions)),
-            aim=np.zeros((num, self.actions)),
-            slow=np.zeros((num, len(self.time_constants), width)),
-            age=np.zeros(num, dtype=np.int64),
-        )
-
-    def look(self, observation: Array, memory: Memory) -> Array:
-        """Take in an observation (num, observations); returns features (num, features)."""
-        now = np.concatenate((observation, memory.action), axis=1)
-        shares = np.array([-np.expm1(-self.period / tau) for tau in self.time_constants])
-        first = memory.age == 0
-        memory.slow[first] = now[first, None, :]
-        memory.slow[...] += shares[:, None] * (now[:, None, :] - memory.slow)
-        return np.concatenate((now, memory.slow.reshape(len(now), -1)), axis=1)
-
-    def aim(self, output: Array) -> Array:
-        """Where outputs of the network (num, actions) draw the action to."""
-        return np.asarray(np.clip(output, -1.0, 1.0) * np.array(self.shares))
-
-    def act(self, memory: Memory) -> Array:
-        """The action (num, actions) of this period; a copy."""
-        memory.action[...] += self.smoothing * (memory.aim - memory.action)
-        memory.age[...] += 1
-        return memory.action.copy()
 
 
 @dataclass(frozen=True, eq=False)

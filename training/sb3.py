@@ -18,7 +18,8 @@ from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.vec_env import VecEnv
 from torch import nn
 
-from .policy import CLIP, Card, Memory, Policy, Recall
+from .policy import CLIP, Card, Policy
+from .recall import Memory, Recall
 
 Array = NDArray[np.float64]
 Single = NDArray[np.float32]
