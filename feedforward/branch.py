@@ -148,8 +148,7 @@ def refuse(
     guilty = [
         block
         for block, (_, unknowns) in enumerate(analysis.blocks)
-        if solution.signs[block][first] != signs[block]
-        or signs[block] == 0
+        if (block in signs and (signs[block] == 0 or solution.signs[block][first] != signs[block]))
         or not all(np.isfinite(solution.series[j][0][first]) for j in unknowns)
     ]
     lost = " and ".join(analysis.unknowns[j] for j in analysis.blocks[guilty[0]][1])

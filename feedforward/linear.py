@@ -5,13 +5,16 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+FEW = 100
+"""Up to so many systems LAPACK is faster."""
+
 
 def solve_many(matrix: Array, right: Array) -> tuple[Array, Array]:
     """Solve N systems of size k by Gaussian elimination with partial pivoting.
 
     The samples run along the last axis, so that each operation of the elimination is one
-    vector operation: for k of two or three this is ten times as fast as
-    `numpy.linalg.solve` on a stack of matrices.
+    vector operation: for k of two or three and thousands of samples this is twice as fast as
+    LAPACK on a stack of matrices, which does the few.
 
     Args:
         matrix: shape (k, k, N), overwritten.
@@ -21,6 +24,11 @@ def solve_many(matrix: Array, right: Array) -> tuple[Array, Array]:
         The solutions (k, N), not finite where a system is singular, and the determinants (N,).
     """
     size, samples = right.shape
+    if samples <= FEW:
+        stack = matrix.transpose(2, 0, 1)
+        determinant: Array = np.linalg.det(stack)
+        if determinant.all():
+            return np.asarray(np.linalg.solve(stack, right.T[..., None])[..., 0].T), determinant
     determinant = np.ones(samples)
     every = np.arange(samples)
     for i in range(size):

@@ -41,7 +41,8 @@ class Solution:
 
     series: Series
     signs: dict[int, Array]
-    """Per block the determinant's sign at each sample, 0 where it is singular, shape (N,)."""
+    """Per block the determinant's sign at each sample, 0 where it is singular, shape (N,); blocks
+    that the reference gives have none."""
 
     @property
     def solved(self) -> Flags:
@@ -76,16 +77,20 @@ def expand(
         for step in steps:
             for j, _ in step.columns:
                 series[j].append(zero)
+            if step.kind == "given":
+                ((row, order),), ((j, _),) = step.rows, step.columns
+                series[j][order] = reference[order, :, row.output]
+                continue
             determinant, matrix = _solve(step, series, reference, guess, follow)
             if step.block not in signs:
-                signs[step.block] = np.broadcast_to(_sign(determinant, matrix), zero.shape)
+                sign = _sign(determinant, matrix)
+                same = sign.shape == zero.shape
+                signs[step.block] = sign if same else np.broadcast_to(sign, zero.shape)
     return Solution(series, signs)
 
 
 def _solve(step: Step, series: Series, reference: Array, guess: Array, follow: bool) -> Solved:
     """Replace the zeros that stand for a step's coefficients by their values."""
-    if step.kind == "given":
-        return _given(step, series, reference)
     if step.kind == "scalar":
         return _scalar(step, series, reference)
     if step.kind == "linear":
@@ -102,20 +107,20 @@ def _solve(step: Step, series: Series, reference: Array, guess: Array, follow: b
 
 def residual(row: Row, order: int, series: Series, reference: Array) -> Array:
     """The coefficient of the given order of one equation, shape (N,)."""
-    total = np.full(reference.shape[1], row.constant if order == 0 else 0.0)
+    total: Array | float = row.constant if order == 0 else 0.0
     for a, j in row.linear:
-        total += a * series[j][order]
+        total = total + a * series[j][order]
     for a, j in row.second:
-        total += a * (order + 1) * (order + 2) * series[j][order + 2]
+        total = total + a * (order + 1) * (order + 2) * series[j][order + 2]
     for a, j, k in row.quadratic:
         left, right = series[j], series[k]
         product = left[0] * right[order]
         for i in range(1, order + 1):
             product += left[i] * right[order - i]
-        total += product if a == 1.0 else a * product
+        total = total + (product if a == 1.0 else a * product)
     if row.output is not None:
-        total -= reference[order, :, row.output]
-    return total
+        total = total - reference[order, :, row.output]
+    return np.asarray(total)
 
 
 def _jacobian(step: Step, series: Series) -> Array:
@@ -153,13 +158,6 @@ def _linear(step: Step, series: Series, reference: Array) -> Solved:
     for (j, order), value in zip(step.columns, values, strict=True):
         series[j][order] = value
     return determinant, matrix
-
-
-def _given(step: Step, series: Series, reference: Array) -> Solved:
-    ((row, order),), ((j, _),) = step.rows, step.columns
-    assert row.output is not None
-    series[j][order] = reference[order, :, row.output]
-    return np.ones(1), None
 
 
 def _scalar(step: Step, series: Series, reference: Array) -> Solved:
