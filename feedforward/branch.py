@@ -151,13 +151,21 @@ def refuse(
         if (block in signs and (signs[block] == 0 or solution.signs[block][first] != signs[block]))
         or not all(np.isfinite(solution.series[j][0][first]) for j in unknowns)
     ]
-    lost = " and ".join(analysis.unknowns[j] for j in analysis.blocks[guilty[0]][1])
+    unknowns = [analysis.unknowns[j] for j in analysis.blocks[guilty[0]][1]]
+    lost = " and ".join(dict.fromkeys(_in_words(rig, name) for name in unknowns))
     named = zip(rig.outputs, outputs[first], strict=True)
     place = ", ".join(f"{name} = {value:.4g}" for name, value in named)
     raise PathError(
         f"rig {rig.name} cannot follow the path {when or f'at t = {times[first]:.4g} s'} "
         f"({place}): {lost} has no value there that continues the motion"
     )
+
+
+def _in_words(rig: Rig, unknown: str) -> str:
+    """An unknown's name for people: a span's multiplier stands for its rope's tension."""
+    rope = unknown.removeprefix("multiplier of ").rpartition(".")[0]
+    spans = unknown.startswith("multiplier of ") and rope in rig.rope_names
+    return f"the tension of rope {rope}" if spans else unknown
 
 
 def stay_on_rails(rig: Rig, names: tuple[str, ...], positions: Array, times: Array) -> None:
