@@ -88,13 +88,17 @@ def branch_of(rig: Rig, reference: Reference) -> Branch:
         for name, cos, sin in equations.turning
     }
     start = values[:, -1:]
+    errors = []
     for samples in GRIDS:
         times = np.linspace(0.0, reference.duration, samples)
         taylor = taylor_of(reference, times, _order(analysis))
         solution = expand(steps, len(start), taylor, start, follow=True)
-        if first_wrong(solution, signs, times) is None:
+        error = failure(rig, analysis, solution, signs, times, taylor[0])
+        if error is None:
             break
-    refuse(rig, analysis, solution, signs, times, taylor[0])
+        errors.append(error)
+    else:
+        raise errors[-1]
     path = _values(solution)
     stay_on_rails(rig, equations.names, path, times)
     rates = np.gradient(path, times[1], axis=1)
@@ -121,7 +125,7 @@ def taylor_of(reference: Reference, times: Array, order: int) -> Array:
     return np.asarray(derivatives / np.array(factorials, dtype=float)[:, None, None])
 
 
-def first_wrong(solution: Solution, signs: dict[int, float], times: Array) -> int | None:
+def _first_wrong(solution: Solution, signs: dict[int, float], times: Array) -> int | None:
     """The earliest sample that has no solution or lies beyond a singular place, if any."""
     wrong = ~solution.solved
     for block, sign in solution.signs.items():
@@ -132,7 +136,7 @@ def first_wrong(solution: Solution, signs: dict[int, float], times: Array) -> in
     return int(order[wrong[order].argmax()])
 
 
-def refuse(
+def failure(
     rig: Rig,
     analysis: Analysis,
     solution: Solution,
@@ -140,11 +144,11 @@ def refuse(
     times: Array,
     outputs: Array,
     when: str = "",
-) -> None:
-    """Raise at the first wrong sample, naming its time and its outputs (N, outputs)."""
-    first = first_wrong(solution, signs, times)
+) -> PathError | None:
+    """What is wrong at the first wrong sample, with its time and its outputs (N, outputs)."""
+    first = _first_wrong(solution, signs, times)
     if first is None:
-        return
+        return None
     guilty = [
         block
         for block, (_, unknowns) in enumerate(analysis.blocks)
@@ -155,7 +159,7 @@ def refuse(
     lost = " and ".join(dict.fromkeys(_in_words(rig, name) for name in unknowns))
     named = zip(rig.outputs, outputs[first], strict=True)
     place = ", ".join(f"{name} = {value:.4g}" for name, value in named)
-    raise PathError(
+    return PathError(
         f"rig {rig.name} cannot follow the path {when or f'at t = {times[first]:.4g} s'} "
         f"({place}): {lost} has no value there that continues the motion"
     )
@@ -212,19 +216,18 @@ def _approach(
     """The solution in rest from home to the start of the path, by the first way that has one."""
     home = _home(rig, equations)
     outputs = list(equations.outputs)
-    tried: list[tuple[Solution, dict[int, float], Array]] = []
+    when = "on the way from the rig's home to the start"
+    errors = []
     for way in _ways(home[outputs], np.asarray(reference.start)):
         taylor = np.zeros((_order(analysis) + 1, *way.shape))
         taylor[0] = way
         solution = expand(steps, len(home), taylor, home[:, None], follow=True)
         signs = {block: float(sign[0]) for block, sign in solution.signs.items()}
-        if first_wrong(solution, signs, np.arange(float(len(way)))) is None:
+        error = failure(rig, analysis, solution, signs, np.arange(float(len(way))), way, when)
+        if error is None:
             return solution
-        tried.append((solution, signs, way))
-    solution, signs, way = tried[0]
-    when = "on the way from the rig's home to the start"
-    refuse(rig, analysis, solution, signs, np.arange(float(len(way))), way, when)
-    raise AssertionError("unreachable: the first way was wrong")
+        errors.append(error)
+    raise errors[0]
 
 
 def _ways(home: Array, start: Array) -> Iterator[Array]:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..models.errors import PathError
 from ..models.rig import Rig
 from .assembly import equations_of
-from .branch import Branch, branch_of, refuse, stay_on_rails, taylor_of
+from .branch import Branch, branch_of, failure, stay_on_rails, taylor_of
 from .checks import check_times
 from .equations import Equations
 from .motion import Motion, find_slack
@@ -54,7 +54,9 @@ def solve(rig: Rig, reference: Reference, times: ArrayLike) -> Motion:
     taylor = taylor_of(reference, instants, branch.order)
     guess = branch.near(instants)
     solution = expand(branch.steps, len(guess), taylor, guess, follow=False)
-    refuse(rig, branch.analysis, solution, branch.signs, instants, taylor[0])
+    error = failure(rig, branch.analysis, solution, branch.signs, instants, taylor[0])
+    if error is not None:
+        raise error
     motion = _motion(rig, equations_of(rig), solution, instants, branch)
     stay_on_rails(rig, motion.coordinate_names, motion.positions.T, instants)
     return motion
