@@ -7,6 +7,7 @@ crane against a wind of 5 % of that weight.
 
 import inspect
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -65,14 +66,12 @@ def roped_overhead_crane(
     Inputs: torque of the pulling winch, torque of the hoisting winch [N m].
     Outputs: load.x, load.z [m].
     """
+    plain = overhead_crane(load_mass=load_mass, trolley_mass=trolley_mass, gravity=gravity)
     weight = load_mass * gravity
-    return Rig(
+    return replace(
+        plain,
         name="roped_overhead_crane",
-        dimensions=2,
-        gravity=gravity,
         anchors=(Anchor("left", (-2.0, 0.0, 0.0)), Anchor("right", (8.0, 0.0, 0.0))),
-        rails=(Rail("beam", direction=(1.0, 0.0, 0.0), start=-2.0, end=8.0),),
-        masses=(Trolley("trolley", trolley_mass, rail="beam"), Load("load", load_mass)),
         ropes=(
             Rope("pull", ("left", "trolley"), drum_radius, winch_inertia),
             Rope("hoist", ("right", "trolley", "load"), drum_radius, winch_inertia),
@@ -81,8 +80,6 @@ def roped_overhead_crane(
             Drive("pull", on="pull", limit=2.5 * weight * drum_radius),
             Drive("hoist", on="hoist", limit=2.0 * weight * drum_radius),
         ),
-        outputs=("load.x", "load.z"),
-        home={"trolley": 0.0, "load": (0.0, 0.0, -4.0)},
     )
 
 

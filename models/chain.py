@@ -181,17 +181,13 @@ def _origin(rig: Rig, link: Link | None) -> Vector:
 
 def _home_point(rig: Rig, mass: Trolley | Load, frame: Frame | None) -> Vector:
     """Home position of a mass in its frame's axes, from the frame's origin."""
-    if isinstance(mass, Trolley):
-        rail, value = rig.rail(mass.rail), _number(rig, mass)
-        pairs = zip(rail.origin, rail.direction, strict=True)
-        return _vector(start + value * along for start, along in pairs)
-    x, y, z = point = cast(Vector, rig.home_of(mass))
+    x, y, z = point = rig.home_point(mass.name)
     if frame is None:
         return point
     value = _number(rig, frame)
     if frame.kind == "sliding":
         return _minus(point, _vector(value * part for part in frame.axis))
-    return (x * cos(value) + y * sin(value), y * cos(value) - x * sin(value), z)
+    return _vector((x * cos(value) + y * sin(value), y * cos(value) - x * sin(value), z))
 
 
 def _number(rig: Rig, part: Frame | Trolley) -> float:
