@@ -10,12 +10,9 @@ their coordinates and the load may swing.  With the frequency omega and the damp
 A trolley's inertia is its own, since the load below it swings: 10 kg in the overhead crane.
 
 The numbers were chosen once, for 50 Hz, on scenarios of `Disturbances.standard`, whose inputs come
-up to two periods late, so that feedforward and PD track as well as PD can while every one of 300
-scenarios stays taut.  The overhead crane's root mean square error is then 0.10 m on average; with
-4.5 rad/s for winches and 8 rad/s for trolleys it is 0.13 m, with 3 rad/s for both 0.35 m, and with
-winches at 7 rad/s the first scenarios oscillate until ropes go slack.  Nothing is left for a third
-period of delay.  Towards a fixed set point errors are of the size of the whole move, and lower
-frequencies with more damping swing least.
+up to two periods late: stiffer winches make ropes slack in some of them, softer drives track worse,
+and nothing is left for a third period of delay.  Towards a fixed set point errors are of the size
+of the whole move, and lower frequencies with more damping swing least.
 """
 
 from typing import Literal, NamedTuple
