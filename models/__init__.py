@@ -9,11 +9,12 @@ Importing this package does not load MuJoCo; `compile` does.
 
 from typing import TYPE_CHECKING, Any
 
-from .catalogue import (
-    CATALOGUE,
-    default_move,
-    full_name,
-    make,
+from .cable_manipulator import cable_manipulator
+from .catalogue import CATALOGUE, default_move, full_name, make, printed_move
+from .cranes import (
+    cantilever_crane,
+    extended_rotary_crane,
+    gantry_crane,
     overhead_crane,
     roped_overhead_crane,
     rotary_crane,
@@ -22,16 +23,33 @@ from .catalogue import (
 from .errors import FlatrigError, ModelError, OptionError, PathError, RigError, SmoothnessError
 from .files import OutputError
 from .move import Move
-from .rig import WORLD, Anchor, Drive, Frame, Load, Rail, Rig, Rope, Sheave, Trolley
-from .toml import dump, dumps, load, loads
+from .moves import PRINTED_MOVES
+from .navy_cranes import navy_crane_2d, navy_crane_3d
+from .rig import (
+    WORLD,
+    Anchor,
+    Combination,
+    Drive,
+    Frame,
+    Load,
+    Platform,
+    Rail,
+    Rig,
+    Rope,
+    Sheave,
+    Trolley,
+)
+from .toml import dump, dumps, load, load_move, loads
 
 if TYPE_CHECKING:
     import mujoco
 
 __all__ = [
     "CATALOGUE",
+    "PRINTED_MOVES",
     "WORLD",
     "Anchor",
+    "Combination",
     "Drive",
     "FlatrigError",
     "Frame",
@@ -41,6 +59,7 @@ __all__ = [
     "OptionError",
     "OutputError",
     "PathError",
+    "Platform",
     "Rail",
     "Rig",
     "RigError",
@@ -48,15 +67,23 @@ __all__ = [
     "Sheave",
     "SmoothnessError",
     "Trolley",
+    "cable_manipulator",
+    "cantilever_crane",
     "compile",
     "default_move",
     "dump",
     "dumps",
+    "extended_rotary_crane",
     "full_name",
+    "gantry_crane",
     "load",
+    "load_move",
     "loads",
     "make",
+    "navy_crane_2d",
+    "navy_crane_3d",
     "overhead_crane",
+    "printed_move",
     "roped_overhead_crane",
     "rotary_crane",
     "rotary_crane_small",

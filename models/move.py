@@ -30,6 +30,9 @@ class Move:
     """Number of continuous derivatives."""
     blend: float = 5.0
     """Duration of each blend of a three-phase profile [s]."""
+    turning: tuple[int, ...] = ()
+    """Columns, counted from 0, of the three Bryant angles of a platform that turns about one fixed
+    axis; without them each angle goes its own straight way."""
     samples: str = ""
     """CSV file of a sampled path: time [s], then the outputs."""
 
@@ -47,16 +50,23 @@ class Move:
             if not self.samples:
                 raise PathError("a sampled move needs `samples`, the name of its CSV file")
             return
+        columns = set(range(len(self.start)))
         if not self.start or len(self.start) != len(self.goal):
             raise PathError(
                 f"start has {len(self.start)} values and goal {len(self.goal)}, "
                 "both need one for each output"
+            )
+        if self.turning and not (len(self.turning) == 3 and set(self.turning) <= columns):
+            raise PathError(
+                f"move: turning is {self.turning}, it must be three columns of 0 to "
+                f"{len(self.start) - 1}"
             )
         if not self.duration > 0:
             raise PathError(f"duration is {self.duration:g} s, it must be > 0")
 
     def _clean(self) -> None:
         """Make plain numbers and names of the fields."""
+        object.__setattr__(self, "turning", sequence("turning", self.turning))
         for end in ("start", "goal"):
             values = tuple(number(end, value) for value in sequence(end, getattr(self, end)))
             object.__setattr__(self, end, values)

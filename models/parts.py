@@ -44,8 +44,9 @@ class Anchor(_Part):
 
     name: str
     position: Vector
-    """In the frame [m]."""
+    """In the frame [m]; in a platform from its centre of mass."""
     frame: str = WORLD
+    """A frame's name, or a platform's: then a corner that ropes are tied to."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,37 @@ class Load(_Part):
 
 
 @dataclass(frozen=True)
+class Platform(_Part):
+    """A rigid body hung from ropes.
+
+    Coordinates: `NAME.x`, `.y`, `.z` of its centre of mass [m], and its Bryant angles `NAME.alpha`,
+    `.beta`, `.gamma` [rad]: it is turned by Rx(alpha) Ry(beta) Rz(gamma) (Y 6.56, 6.71).
+    """
+
+    name: str
+    mass: float
+    """[kg]"""
+    inertia: Vector
+    """Principal moments of inertia about its own x, y and z axis [kg m2]."""
+
+    @property
+    def angles(self) -> tuple[str, str, str]:
+        """Names of its Bryant angles."""
+        return (f"{self.name}.alpha", f"{self.name}.beta", f"{self.name}.gamma")
+
+
+@dataclass(frozen=True)
+class Combination(_Part):
+    """A weighted sum of coordinates that a reference can prescribe; it is an output by its name."""
+
+    name: str
+    of: tuple[str, ...]
+    """Coordinates, angles excepted."""
+    factors: tuple[float, ...]
+    """One for each of them."""
+
+
+@dataclass(frozen=True)
 class Sheave(_Part):
     """A pulley with inertia at an inner point of a rope's path."""
 
@@ -118,6 +150,9 @@ class Rope(_Part):
     winch_inertia: float
     """Of the winch with its motor [kg m2]."""
     sheaves: tuple[Sheave, ...] = ()
+    falls: int = 1
+    """Parallel parts of the last span, which then ends at a block: it shortens by one metre when
+    the winch takes in `falls` metres, and pulls `falls` times as hard."""
 
     @property
     def coordinate(self) -> str:

@@ -25,17 +25,31 @@ from functools import cached_property
 from typing import Literal, TypeVar, cast
 
 from .errors import RigError, did_you_mean
-from .parts import WORLD, Anchor, Drive, Frame, Load, Rail, Rope, Sheave, Trolley
+from .parts import (
+    WORLD,
+    Anchor,
+    Combination,
+    Drive,
+    Frame,
+    Load,
+    Platform,
+    Rail,
+    Rope,
+    Sheave,
+    Trolley,
+)
 from .validation import validate
 from .values import Home, Vector, clean
 
 __all__ = [
     "WORLD",
     "Anchor",
+    "Combination",
     "Drive",
     "Frame",
     "Home",
     "Load",
+    "Platform",
     "Rail",
     "Rig",
     "Rope",
@@ -56,17 +70,19 @@ class Rig:
     """
 
     name: str
-    masses: tuple[Trolley | Load, ...]
+    masses: tuple[Trolley | Load | Platform, ...]
     ropes: tuple[Rope, ...]
     drives: tuple[Drive, ...]
     outputs: tuple[str, ...]
-    """Coordinates that a reference prescribes, in the order of its columns."""
+    """Coordinates and combinations that a reference prescribes, in the order of its columns."""
     frames: tuple[Frame, ...] = ()
     anchors: tuple[Anchor, ...] = ()
     rails: tuple[Rail, ...] = ()
+    combinations: tuple[Combination, ...] = ()
     home: Mapping[str, float | Vector] = Home({})
     """A configuration at rest: angle [rad] or position [m] of each frame and trolley (0 if
-    left out), (x, y, z) [m] of each load.  It fixes the branch of the equations' solutions."""
+    left out), (x, y, z) [m] of each load and of each platform, which is upright.  It fixes the
+    branch of the equations' solutions."""
     dimensions: Literal[2, 3] = 3
     """2: everything stays in the plane y = 0."""
     gravity: float = 9.81
@@ -74,7 +90,7 @@ class Rig:
 
     def __post_init__(self) -> None:
         clean(self)
-        object.__setattr__(self, "masses", (*self.trolleys, *self.loads))
+        object.__setattr__(self, "masses", (*self.trolleys, *self.loads, *self.platforms))
         validate(self)
 
     @cached_property
@@ -94,11 +110,14 @@ class Rig:
 
     @cached_property
     def coordinate_names(self) -> tuple[str, ...]:
-        """Names of the coordinates that may be prescribed: frames, trolleys, ropes, loads."""
+        """Names of the coordinates: of frames, trolleys, ropes, loads, platforms."""
         names = [frame.coordinate for frame in self.frames]
         names += [mass.coordinate for mass in self.trolleys]
         names += [rope.coordinate for rope in self.ropes]
         names += [f"{load.name}.{axis}" for load in self.loads for axis in self.axes]
+        for platform in self.platforms:
+            names += [f"{platform.name}.{axis}" for axis in "xyz"]
+            names += platform.angles
         return tuple(names)
 
     @property
@@ -110,6 +129,21 @@ class Rig:
     def loads(self) -> tuple[Load, ...]:
         """The free masses."""
         return tuple(mass for mass in self.masses if isinstance(mass, Load))
+
+    @property
+    def platforms(self) -> tuple[Platform, ...]:
+        """The rigid bodies that hang from ropes."""
+        return tuple(mass for mass in self.masses if isinstance(mass, Platform))
+
+    @property
+    def weight(self) -> float:
+        """Of all loads and platforms [N]."""
+        loads: tuple[Load | Platform, ...] = (*self.loads, *self.platforms)
+        return self.gravity * sum(part.mass for part in loads)
+
+    def platform(self, name: str) -> Platform | None:
+        """The platform of that name, if there is one."""
+        return next((part for part in self.platforms if part.name == name), None)
 
     def frame(self, name: str) -> Frame | None:
         """The frame of that name; None for the world.
@@ -132,20 +166,25 @@ class Rig:
         parts: tuple[Frame | Trolley | Rope, ...] = (*self.frames, *self.trolleys, *self.ropes)
         return next(part for part in parts if part.name == drive.on)
 
-    def home_of(self, part: Frame | Trolley | Load) -> float | Vector:
-        """Home value of a frame, trolley or load."""
-        return self.home.get(part.name, (0.0, 0.0, 0.0) if isinstance(part, Load) else 0.0)
+    def home_of(self, part: Frame | Trolley | Load | Platform) -> float | Vector:
+        """Home value of a frame, trolley, load or platform."""
+        free = isinstance(part, Load | Platform)
+        return self.home.get(part.name, (0.0, 0.0, 0.0) if free else 0.0)
 
     def home_point(self, name: str) -> Vector:
-        """Where an anchor, trolley or load is at home, in the world [m]."""
+        """Where an anchor, trolley, load or platform is at home, in the world [m]."""
         part = _named("point", (*self.anchors, *self.masses), name)
-        if isinstance(part, Load):
+        if isinstance(part, Load | Platform):
             return cast(Vector, self.home_of(part))
         if isinstance(part, Trolley):
             rail = self.rail(part.rail)
             frame, along = self.frame(rail.frame), cast(float, self.home_of(part))
             pairs = zip(rail.origin, rail.direction, strict=True)
             x, y, z = (start + along * step for start, step in pairs)
+        elif (platform := self.platform(part.frame)) is not None:
+            centre = cast(Vector, self.home_of(platform))
+            x, y, z = (a + b for a, b in zip(centre, part.position, strict=True))
+            return (x, y, z)
         else:
             frame, (x, y, z) = self.frame(part.frame), part.position
         if frame is None:
@@ -158,7 +197,7 @@ class Rig:
         return (x + value * a, y + value * b, z + value * c)
 
 
-P = TypeVar("P", Frame, Rail, Anchor | Trolley | Load)
+P = TypeVar("P", Frame, Rail, Anchor | Trolley | Load | Platform)
 
 
 def _named(kind: str, parts: tuple[P, ...], name: str) -> P:

@@ -1,9 +1,9 @@
 """Rigs and moves as TOML files.
 
 A file holds the fields of `Rig` by their names, each kind of part as an array of tables
-(`[[frames]]`, `[[anchors]]`, `[[rails]]`, `[[trolleys]]`, `[[loads]]`, `[[ropes]]` with
-`[[ropes.sheaves]]`, `[[drives]]`), `[home]`, and a `[move]` if it has one.  Instead of parts
-it may name a rig of the catalogue, with overrides:
+(`[[frames]]`, `[[anchors]]`, `[[rails]]`, `[[trolleys]]`, `[[loads]]`, `[[platforms]]`,
+`[[ropes]]` with `[[ropes.sheaves]]`, `[[combinations]]`, `[[drives]]`), `[home]`, and a `[move]`
+if it has one.  Instead of parts it may name a rig of the catalogue, with overrides:
 
     rig = "overhead_crane"
     load_mass = 80.0
@@ -22,11 +22,23 @@ from typing import Any
 
 import tomli_w
 
-from .catalogue import MOVES, full_name, make
+from .catalogue import default_move, make
 from .errors import FlatrigError, PathError, RigError, did_you_mean
 from .files import write_text
 from .move import Move
-from .rig import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Sheave, Trolley
+from .rig import (
+    Anchor,
+    Combination,
+    Drive,
+    Frame,
+    Load,
+    Platform,
+    Rail,
+    Rig,
+    Rope,
+    Sheave,
+    Trolley,
+)
 
 _PARTS = {
     "frames": Frame,
@@ -34,7 +46,9 @@ _PARTS = {
     "rails": Rail,
     "trolleys": Trolley,
     "loads": Load,
+    "platforms": Platform,
     "ropes": Rope,
+    "combinations": Combination,
     "drives": Drive,
 }
 _PLAIN = ("name", "dimensions", "gravity", "outputs", "home")
@@ -58,6 +72,27 @@ def load(path: str | Path) -> tuple[Rig, Move | None]:
         raise type(error)(f"{path}: {error}") from None
 
 
+def load_move(path: str | Path) -> Move:
+    """Read the move of a file, which may hold nothing but its `[move]`.
+
+    Raises:
+        PathError: the file cannot be read, or has no move.
+    """
+    path = Path(path)
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        move = _move(table.get("move"), path.parent)
+    except OSError as error:
+        raise PathError(f"cannot read {path}: {error.strerror}") from None
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise PathError(f"cannot read {path}: not TOML: {error}") from None
+    except FlatrigError as error:
+        raise type(error)(f"{path}: {error}") from None
+    if move is None:
+        raise PathError(f"{path} has no [move]")
+    return move
+
+
 def loads(text: str, folder: Path = Path()) -> tuple[Rig, Move | None]:
     """As `load`, from the text itself; a move's `samples` are looked for in `folder`."""
     try:
@@ -68,7 +103,7 @@ def loads(text: str, folder: Path = Path()) -> tuple[Rig, Move | None]:
     if "rig" in table:
         name = str(table.pop("rig"))
         rig = make(name, **table)
-        return rig, move or MOVES[full_name(name)]
+        return rig, move or default_move(rig)
     known = (*_PLAIN, *_PARTS)
     for key in table:
         if key not in known:
@@ -76,7 +111,9 @@ def loads(text: str, folder: Path = Path()) -> tuple[Rig, Move | None]:
     parts: dict[str, Any] = {
         kind: _parts(kind, build, table.pop(kind, [])) for kind, build in _PARTS.items()
     }
-    parts["masses"] = [*parts.pop("trolleys"), *parts.pop("loads")]
+    parts["masses"] = [
+        mass for kind in ("trolleys", "loads", "platforms") for mass in parts.pop(kind)
+    ]
     for key in ("name", "outputs"):
         if key not in table:
             raise RigError(f"the entry {key!r} is missing")

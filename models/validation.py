@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from .errors import RigError, did_you_mean
-from .parts import WORLD, Anchor, Frame, Load, Rail, Rope, Trolley
+from .parts import WORLD, Anchor, Combination, Frame, Load, Platform, Rail, Rope, Trolley
 from .values import Vector
 
 if TYPE_CHECKING:
@@ -30,8 +30,10 @@ def validate(rig: "Rig") -> None:
     _check_home(rig)
 
 
-def _parts(rig: "Rig") -> Iterator[Frame | Anchor | Rail | Trolley | Load | Rope]:
-    yield from (*rig.frames, *rig.anchors, *rig.rails, *rig.masses, *rig.ropes)
+def _parts(
+    rig: "Rig",
+) -> Iterator[Frame | Anchor | Rail | Trolley | Load | Platform | Rope | Combination]:
+    yield from (*rig.frames, *rig.anchors, *rig.rails, *rig.masses, *rig.ropes, *rig.combinations)
 
 
 def _check_names(rig: "Rig") -> None:
@@ -60,6 +62,7 @@ def _positive(label: str, quantity: str, value: float, unit: str) -> None:
 
 def _check_parts(rig: "Rig") -> None:
     frames = [WORLD, *(frame.name for frame in rig.frames)]
+    platforms = [platform.name for platform in rig.platforms]
     for frame in rig.frames:
         if frame.kind not in ("turning", "sliding"):
             raise RigError(
@@ -74,7 +77,7 @@ def _check_parts(rig: "Rig") -> None:
         if frame.kind == "turning" and rig.dimensions == 2:
             raise RigError(f"frame {frame.name}: a planar rig has no turning frame")
     for anchor in rig.anchors:
-        _known(f"anchor {anchor.name}", anchor.frame, frames)
+        _known(f"anchor {anchor.name}", anchor.frame, frames + platforms)
         _in_plane(rig, f"anchor {anchor.name}", anchor.position)
     for rail in rig.rails:
         _known(f"rail {rail.name}", rail.frame, frames)
@@ -89,10 +92,26 @@ def _check_parts(rig: "Rig") -> None:
         if isinstance(mass, Trolley):
             _known(f"trolley {mass.name}", mass.rail, [rail.name for rail in rig.rails])
             _positive(f"trolley {mass.name}", "mass", mass.mass, "kg")
+        elif isinstance(mass, Platform):
+            _check_platform(rig, mass)
         elif mass.mass < 0:
             raise RigError(f"load {mass.name}: mass is {mass.mass:g} kg, it must be >= 0")
-    if not any(load.mass > 0 for load in rig.loads):
+    if not rig.weight > 0:
         raise RigError(f"rig {rig.name}: there is no load with a mass > 0")
+
+
+def _check_platform(rig: "Rig", platform: Platform) -> None:
+    label = f"platform {platform.name}"
+    _positive(label, "mass", platform.mass, "kg")
+    for moment in platform.inertia:
+        _positive(label, "a principal moment of inertia", moment, "kg m2")
+    # A flat body has the sum of two moments equal to the third, up to rounding.
+    if 2 * max(platform.inertia) > sum(platform.inertia) * (1 + 1e-9):
+        raise RigError(
+            f"{label}: inertia is {platform.inertia}, no moment can exceed the sum of the others"
+        )
+    if rig.dimensions == 2:
+        raise RigError(f"{label}: a planar rig has no platform; take 3 dimensions")
 
 
 def _unit(label: str, quantity: str, vector: Vector) -> None:
@@ -106,7 +125,8 @@ def _in_plane(rig: "Rig", label: str, vector: Vector) -> None:
 
 
 def _check_ropes(rig: "Rig") -> None:
-    points = [part.name for part in (*rig.anchors, *rig.masses)]
+    ends: tuple[Anchor | Trolley | Load, ...] = (*rig.anchors, *rig.trolleys, *rig.loads)
+    points = [part.name for part in ends]
     for rope in rig.ropes:
         label = f"rope {rope.name}"
         if len(rope.path) < 2:
@@ -118,6 +138,8 @@ def _check_ropes(rig: "Rig") -> None:
                 raise RigError(f"{label}: its path goes from {before!r} to itself")
         _positive(label, "drum_radius", rope.drum_radius, "m")
         _positive(label, "winch_inertia", rope.winch_inertia, "kg m2")
+        if isinstance(rope.falls, bool) or not isinstance(rope.falls, int) or rope.falls < 1:
+            raise RigError(f"{label}: falls is {rope.falls!r}, it must be a whole number >= 1")
         for sheave in rope.sheaves:
             if [other.at for other in rope.sheaves].count(sheave.at) > 1:
                 raise RigError(f"{label}: two sheaves stand at {sheave.at!r}")
@@ -139,11 +161,14 @@ def _check_drives(rig: "Rig") -> None:
 
 
 def _check_outputs(rig: "Rig") -> None:
+    for combination in rig.combinations:
+        _check_combination(rig, combination)
+    known = [*rig.coordinate_names, *(part.name for part in rig.combinations)]
     for output in rig.outputs:
-        if output not in rig.coordinate_names:
+        if output not in known:
             raise RigError(
                 f"rig {rig.name}: output {output!r} is not a coordinate"
-                f"{did_you_mean(output, rig.coordinate_names)}"
+                f"{did_you_mean(output, known)}"
             )
         if rig.outputs.count(output) > 1:
             raise RigError(f"rig {rig.name}: output {output!r} is named twice")
@@ -154,16 +179,32 @@ def _check_outputs(rig: "Rig") -> None:
         )
 
 
+def _check_combination(rig: "Rig", combination: Combination) -> None:
+    label = f"combination {combination.name}"
+    if not combination.of or len(combination.of) != len(combination.factors):
+        raise RigError(
+            f"{label}: it has {len(combination.of)} coordinates and {len(combination.factors)} "
+            "factors, it needs one factor for each coordinate"
+        )
+    angles = [frame.coordinate for frame in rig.frames if frame.kind == "turning"]
+    angles += [angle for platform in rig.platforms for angle in platform.angles]
+    for name in combination.of:
+        _known(label, name, [known for known in rig.coordinate_names if known not in angles])
+
+
 def _check_home(rig: "Rig") -> None:
     parts = {part.name: part for part in (*rig.frames, *rig.masses)}
     for name, value in rig.home.items():
         _known("home", name, list(parts))
-        if isinstance(parts[name], Load) != isinstance(value, tuple):
-            needed = "(x, y, z)" if isinstance(parts[name], Load) else "a number"
+        moves_freely = isinstance(parts[name], Load | Platform)
+        if moves_freely != isinstance(value, tuple):
+            needed = "(x, y, z)" if moves_freely else "a number"
             raise RigError(f"home of {name} is {value}, it must be {needed}")
-    for load in rig.loads:
+    free: tuple[Load | Platform, ...] = (*rig.loads, *rig.platforms)
+    for load in free:
         if load.name not in rig.home:
-            raise RigError(f"home of load {load.name} is missing, give its (x, y, z)")
+            kind = type(load).__name__.lower()
+            raise RigError(f"home of {kind} {load.name} is missing, give its (x, y, z)")
         _in_plane(rig, f"home of {load.name}", rig.home_point(load.name))
     for trolley in rig.trolleys:
         rail, place = rig.rail(trolley.rail), rig.home_of(trolley)

@@ -95,6 +95,8 @@ def clean(part: Any) -> None:
             plain = word(label, value)
         elif kind == tuple[str, ...]:
             plain = tuple(word(label, entry) for entry in sequence(label, value))
+        elif kind == tuple[float, ...]:
+            plain = tuple(number(label, entry) for entry in sequence(label, value))
         elif get_origin(kind) is tuple:  # of parts
             plain = sequence(label, value)
             for entry in plain:
