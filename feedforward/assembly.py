@@ -5,8 +5,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ..models.rig import WORLD, Frame, Load, Rig, Rope, Trolley
-from .equations import Array, Equations
+from ..models.rig import WORLD, Frame, Load, Platform, Rig, Rope, Trolley
+from .equations import Array, Equations, Orientation
 
 
 @lru_cache(maxsize=256)
@@ -32,6 +32,7 @@ class _Builder:
     def build(self) -> Equations:
         self._frames()
         self._masses()
+        self._platforms()
         spans, lengths = [], []
         for rope in self.rig.ropes:
             rows = self._rope(rope)
@@ -58,6 +59,7 @@ class _Builder:
                 for frame in self.rig.frames
                 if frame.kind == "turning"
             ),
+            orientations=tuple(self._orientation(part) for part in self.rig.platforms),
             spans=tuple(spans),
             span_lengths=tuple(lengths),
             points=MappingProxyType(points),
@@ -67,11 +69,12 @@ class _Builder:
         """Frames, trolleys, ropes, loads as in `Rig.coordinate_names`, then the auxiliary ones."""
         rig = self.rig
         names: list[str] = []
+        angles = [angle for platform in rig.platforms for angle in platform.angles]
         for name in rig.coordinate_names:
             frame = next((f for f in rig.frames if f.coordinate == name), None)
             if frame is not None and frame.kind == "turning":
                 names += [f"{frame.name}.cos", f"{frame.name}.sin"]
-            else:
+            elif name not in angles:
                 names.append(name)
         for rope in rig.ropes:
             names += [f"{rope.name}.span{i}" for i in range(1, len(rope.path) - 1)]
@@ -79,6 +82,8 @@ class _Builder:
             frame = rig.frame(rig.rail(trolley.rail).frame)
             if frame is not None and frame.kind == "turning":
                 names += [f"{trolley.name}.x", f"{trolley.name}.y"]
+        for platform in rig.platforms:
+            names += [f"{platform.name}.d{i}{axis}" for i in (1, 2, 3) for axis in "xyz"]
         return names
 
     def index(self, name: str) -> int:
@@ -132,6 +137,8 @@ class _Builder:
     def position(self, name: str) -> Array:
         """World position of a point, affine, shape (3, n + 1)."""
         part = next(p for p in self.points if p.name == name)
+        if isinstance(part, Platform):
+            return np.array([self.row(f"{name}.{axis}") for axis in "xyz"])
         if isinstance(part, Load):
             rows = [
                 self.row(f"{name}.{axis}") if axis in self.rig.axes else self.row()
@@ -147,6 +154,10 @@ class _Builder:
                 return np.array([self.row(f"{name}.x"), self.row(f"{name}.y"), height])
             fixed = self._origin(frame) + self._in_frame(frame, rail.origin)
             return fixed + np.outer(rail.direction, along)
+        platform = self.rig.platform(part.frame)
+        if platform is not None:
+            shares = zip(part.position, self.directors(platform), strict=True)
+            return self.position(platform.name) + sum(share * rows for share, rows in shares)
         frame = None if part.frame == WORLD else self.rig.frame(part.frame)
         return self._origin(frame) + self._in_frame(frame, part.position)
 
@@ -156,7 +167,7 @@ class _Builder:
             rows = self.position(part.name)
             self.add_inertia(part.mass, *rows)
             self.force -= part.mass * self.rig.gravity * rows[2, :-1]
-            if isinstance(part, Load) or f"{part.name}.x" not in self.names:
+            if not isinstance(part, Trolley) or f"{part.name}.x" not in self.names:
                 continue
             rail = self.rig.rail(part.rail)
             frame = self.rig.frame(rail.frame)
@@ -170,11 +181,42 @@ class _Builder:
                     (-1.0, along, direction[axis]),
                 )
 
+    def directors(self, platform: Platform) -> list[Array]:
+        """The three directors of a platform, each of shape (3, n + 1)."""
+        name = platform.name
+        return [np.array([self.row(f"{name}.d{i}{axis}") for axis in "xyz"]) for i in (1, 2, 3)]
+
+    def _platforms(self) -> None:
+        """Inertia of the directors, Y 2.41, and their six constraints, Y 2.44."""
+        one = self.row(constant=1.0)
+        for platform in self.rig.platforms:
+            directors = self.directors(platform)
+            half = 0.5 * sum(platform.inertia)
+            for moment, rows in zip(platform.inertia, directors, strict=True):
+                self.add_inertia(half - moment, *rows)
+            for i, first in enumerate(directors):
+                for k, second in enumerate(directors[i:], start=i):
+                    same = i == k
+                    self.constrain(
+                        f"{platform.name}.d{i + 1}d{k + 1}",
+                        *((0.5 if same else 1.0, a, b) for a, b in zip(first, second, strict=True)),
+                        *(((-0.5, one, one),) if same else ()),
+                    )
+
+    def _orientation(self, platform: Platform) -> Orientation:
+        directors = [name for name in self.names if name.startswith(f"{platform.name}.d")]
+        pairs = [name for name in self.constraint_names if name.startswith(f"{platform.name}.d")]
+        return Orientation(
+            angles=platform.angles,
+            directors=tuple(self.index(name) for name in directors),
+            constraints=tuple(self.constraint_names.index(name) for name in pairs),
+        )
+
     def _rope(self, rope: Rope) -> Array:
         """Constraints and inertia of a rope; returns its spans' lengths, affine."""
         points = [self.position(name) for name in rope.path]
         rows = [self.row(f"{rope.name}.span{i}") for i in range(1, len(points) - 1)]
-        lengths = np.array([*rows, self.row(rope.coordinate) - sum(rows)])
+        lengths = np.array([*rows, (self.row(rope.coordinate) - sum(rows)) / rope.falls])
         for i, length in enumerate(lengths):
             span = points[i + 1] - points[i]
             self.constrain(
@@ -184,7 +226,8 @@ class _Builder:
             )
         self.add_inertia(rope.inertia_along, self.row(rope.coordinate))
         for sheave in rope.sheaves:
-            beyond = lengths[rope.after(sheave) :].sum(axis=0)
+            before = lengths[: rope.after(sheave)].sum(axis=0)
+            beyond = self.row(rope.coordinate) - before
             self.add_inertia(sheave.inertia / sheave.radius**2, beyond)
         return lengths
 

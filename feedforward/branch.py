@@ -18,6 +18,8 @@ from ..models.rig import Rig
 from .assembly import equations_of
 from .equations import Equations, redundant
 from .reference import Reference
+from .refusal import failure, passing, stay_on_rails
+from .servo import prescribe
 from .steps import Step, plan
 from .structure import Analysis, analyse
 from .taylor import Solution, expand
@@ -28,8 +30,10 @@ GRIDS = (129, 513, 2049)
 """Samples along the path; the next where Newton's method loses its way on one."""
 APPROACHES = (17, 65)
 """Samples of the way from home to the start of the path."""
-RAIL_TOLERANCE = 1e-9
-"""How far past the end of a rail a trolley may be through rounding [m]."""
+LIMIT_STEPS = 9
+"""Steps back to a singular start, each to a quarter of the time before."""
+MOSTLY = 0.5
+"""Share of a path's samples that may be singular places of a pulley without mass."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,18 +92,26 @@ def branch_of(rig: Rig, reference: Reference) -> Branch:
         for name, cos, sin in equations.turning
     }
     start = values[:, -1:]
+    if any(step.loose for step in steps):
+        start = _limit(rig, reference, analysis, steps, start)
     errors = []
     for samples in GRIDS:
         times = np.linspace(0.0, reference.duration, samples)
         taylor = taylor_of(reference, times, _order(analysis))
-        solution = expand(steps, len(start), taylor, start, follow=True)
+        solution = expand(steps, len(start), prescribe(rig, taylor), start, follow=True)
         error = failure(rig, analysis, solution, signs, times, taylor[0])
+        error = passing(equations, _values(solution), times, taylor[0]) or error
         if error is None:
             break
         errors.append(error)
     else:
         raise errors[-1]
     path = _values(solution)
+    if np.ptp(taylor[0], axis=0).any() and solution.straight.mean() > MOSTLY:
+        raise PathError(
+            f"rig {rig.name} cannot follow the path: a pulley without mass hangs straight below "
+            "its winch all along and nothing determines its place; move sideways or give it a mass"
+        )
     stay_on_rails(rig, equations.names, path, times)
     rates = np.gradient(path, times[1], axis=1)
     for j, coefficients in enumerate(solution.series):
@@ -113,6 +125,28 @@ def branch_of(rig: Rig, reference: Reference) -> Branch:
     return Branch(rig, analysis, steps, signs, times, path, rates, angles)
 
 
+def _limit(
+    rig: Rig,
+    reference: Reference,
+    analysis: Analysis,
+    steps: tuple[Step, ...],
+    start: Array,
+) -> Array:
+    """All unknowns (unknowns, 1) at the start, as the limit of the motion that leaves it.
+
+    A pulley without mass that hangs straight below its winch has no place of its own.
+    """
+    first = reference.duration / (GRIDS[0] - 1)
+    back = first * 4.0 ** -np.arange(LIMIT_STEPS)
+    for times in (np.array([0.0, first]), np.array([*back, 0.0])):
+        taylor = prescribe(rig, taylor_of(reference, times, _order(analysis)))
+        solution = expand(steps, len(start), taylor, start, follow=True)
+        if not solution.solved.all():
+            return start  # the path itself will tell what is wrong
+        start = _values(solution)[:, -1:]
+    return start
+
+
 def _order(analysis: Analysis) -> int:
     """Derivatives of the reference to use: those that are needed, and the outputs' own two."""
     return max(analysis.reference_order, 2)
@@ -123,68 +157,6 @@ def taylor_of(reference: Reference, times: Array, order: int) -> Array:
     factorials = [math.factorial(k) for k in range(order + 1)]
     derivatives = reference.derivatives(times, order)
     return np.asarray(derivatives / np.array(factorials, dtype=float)[:, None, None])
-
-
-def _first_wrong(solution: Solution, signs: dict[int, float], times: Array) -> int | None:
-    """The earliest sample that has no solution or lies beyond a singular place, if any."""
-    wrong = ~solution.solved
-    for block, sign in solution.signs.items():
-        wrong |= (sign != signs[block]) | (signs[block] == 0)
-    if not wrong.any():
-        return None
-    order = np.argsort(times, kind="stable")
-    return int(order[wrong[order].argmax()])
-
-
-def failure(
-    rig: Rig,
-    analysis: Analysis,
-    solution: Solution,
-    signs: dict[int, float],
-    times: Array,
-    outputs: Array,
-    when: str = "",
-) -> PathError | None:
-    """What is wrong at the first wrong sample, with its time and its outputs (N, outputs)."""
-    first = _first_wrong(solution, signs, times)
-    if first is None:
-        return None
-    guilty = [
-        block
-        for block, (_, unknowns) in enumerate(analysis.blocks)
-        if (block in signs and (signs[block] == 0 or solution.signs[block][first] != signs[block]))
-        or not all(np.isfinite(solution.series[j][0][first]) for j in unknowns)
-    ]
-    unknowns = [analysis.unknowns[j] for j in analysis.blocks[guilty[0]][1]]
-    lost = " and ".join(dict.fromkeys(_in_words(rig, name) for name in unknowns))
-    named = zip(rig.outputs, outputs[first], strict=True)
-    place = ", ".join(f"{name} = {value:.4g}" for name, value in named)
-    return PathError(
-        f"rig {rig.name} cannot follow the path {when or f'at t = {times[first]:.4g} s'} "
-        f"({place}): {lost} has no value there that continues the motion"
-    )
-
-
-def _in_words(rig: Rig, unknown: str) -> str:
-    """An unknown's name for people: a span's multiplier stands for its rope's tension."""
-    rope = unknown.removeprefix("multiplier of ").rpartition(".")[0]
-    spans = unknown.startswith("multiplier of ") and rope in rig.rope_names
-    return f"the tension of rope {rope}" if spans else unknown
-
-
-def stay_on_rails(rig: Rig, names: tuple[str, ...], positions: Array, times: Array) -> None:
-    """Refuse a motion (coordinates, N) in which a trolley leaves its rail."""
-    for trolley in rig.trolleys:
-        rail = rig.rail(trolley.rail)
-        place = positions[names.index(trolley.coordinate)]
-        beyond = np.maximum(rail.start - place, place - rail.end) > RAIL_TOLERANCE
-        if beyond.any():
-            i = int(beyond.argmax())
-            raise PathError(
-                f"rig {rig.name} cannot follow the path at t = {times[i]:.4g} s: "
-                f"{trolley.name} is at {place[i]:.4g} m, rail {rail.name} goes from "
-                f"{rail.start:g} m to {rail.end:g} m"
-            )
 
 
 def _accept(rig: Rig, reference: Reference, analysis: Analysis) -> None:
@@ -214,14 +186,14 @@ def _approach(
     steps: tuple[Step, ...],
 ) -> Solution:
     """The solution in rest from home to the start of the path, by the first way that has one."""
-    home = _home(rig, equations)
-    outputs = list(equations.outputs)
+    values, home = _home(rig, equations)
+    outputs = np.array([_output(rig, values, name) for name in rig.outputs])
     when = "on the way from the rig's home to the start"
     errors = []
-    for way in _ways(home[outputs], np.asarray(reference.start)):
+    for way in _ways(outputs, np.asarray(reference.start)):
         taylor = np.zeros((_order(analysis) + 1, *way.shape))
         taylor[0] = way
-        solution = expand(steps, len(home), taylor, home[:, None], follow=True)
+        solution = expand(steps, len(home), prescribe(rig, taylor), home[:, None], follow=True)
         signs = {block: float(sign[0]) for block, sign in solution.signs.items()}
         error = failure(rig, analysis, solution, signs, np.arange(float(len(way))), way, when)
         if error is None:
@@ -243,8 +215,11 @@ def _ways(home: Array, start: Array) -> Iterator[Array]:
         yield home + share * (start - home) + 2.0 * reach * share * (1.0 - share) * side
 
 
-def _home(rig: Rig, equations: Equations) -> Array:
-    """All unknowns at rest at the rig's home, those of statics in the sense of least squares."""
+def _home(rig: Rig, equations: Equations) -> tuple[dict[str, Array], Array]:
+    """The rig's coordinates at home, and all unknowns there at rest.
+
+    Those of statics are meant in the sense of least squares.
+    """
     values = {}
     for frame in rig.frames:
         values[frame.coordinate] = np.array(rig.home_of(frame))
@@ -254,10 +229,21 @@ def _home(rig: Rig, equations: Equations) -> Array:
             values[f"{mass.name}.position"] = place
         else:
             values |= {f"{mass.name}.{axis}": place["xyz".index(axis)] for axis in rig.axes}
+    values |= {angle: np.zeros(()) for part in rig.platforms for angle in part.angles}
     state, _ = redundant(equations, values, dict.fromkeys(values, np.zeros(())))
+    values |= {rope.coordinate: state[equations.names.index(rope.coordinate)] for rope in rig.ropes}
     pull = np.hstack((equations.constraint_jacobian(state).T, -equations.input_matrix(state)))
     statics = np.linalg.lstsq(pull, equations.force, rcond=None)[0]
-    return np.concatenate((state, statics))
+    return values, np.concatenate((state, statics))
+
+
+def _output(rig: Rig, values: dict[str, Array], name: str) -> float:
+    """One of the rig's outputs, a coordinate or a combination of them."""
+    for part in rig.combinations:
+        if part.name == name:
+            pairs = zip(part.factors, part.of, strict=True)
+            return sum(factor * float(values[one]) for factor, one in pairs)
+    return float(values[name])
 
 
 def _values(solution: Solution) -> Array:

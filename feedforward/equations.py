@@ -10,23 +10,39 @@ with a constant mass matrix M, possibly singular (Y 5.102, K 3.39).  To make the
 - a turning frame has the cosine and the sine of its angle as coordinates,
 - a trolley on a turning rail has, besides its position along the rail, those Cartesian
   coordinates that the turning moves,
-- a rope's spans but the last have their lengths as coordinates (K 3.41).
+- a rope's spans but the last have their lengths as coordinates (K 3.41),
+- a platform has its three directors, the columns of its rotation matrix, as coordinates; their
+  six products are constraints (Y 2.42 to 2.44) and their masses the moments about the planes
+  across them, so that its gyroscopic torque needs no term of its own.
 
 The multiplier of a span's constraint, 1/2 (|span|^2 - length^2), times the length is the
-rope's tension.
+rope's tension; of a last span with several falls, of all of them together.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..models.errors import RigError, did_you_mean
 from ..models.rig import Rig
+from .rotation import matrix
 
 Array = NDArray[np.float64]
+
+
+class Orientation(NamedTuple):
+    """The directors of a platform among the coordinates."""
+
+    angles: tuple[str, str, str]
+    """Names of its Bryant angles."""
+    directors: tuple[int, ...]
+    """Indices of the nine components, director by director."""
+    constraints: tuple[int, ...]
+    """Indices of the six constraints among them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,27 +68,14 @@ class Equations:
     """B', shape (n, a, n): the force on coordinate i of input j is B'[i, j] @ q times u_j."""
     turning: tuple[tuple[str, int, int], ...]
     """For each turning frame its angle's name and the indices of cosine and sine."""
+    orientations: tuple[Orientation, ...]
+    """Of the platforms."""
     spans: tuple[tuple[int, ...], ...]
     """For each rope the indices of the constraints of its spans."""
     span_lengths: tuple[Array, ...]
     """For each rope the rows giving its spans' lengths from (q, 1), shape (spans, n + 1)."""
     points: Mapping[str, Array]
     """For each anchor and mass the rows giving its world position from (q, 1), (3, n + 1)."""
-
-    @property
-    def outputs(self) -> tuple[int, ...]:
-        """Indices of the coordinates that a reference prescribes.
-
-        Raises:
-            RigError: an output is a frame's angle, which is not a polynomial coordinate.
-        """
-        missing = [name for name in self.rig.outputs if name not in self.names]
-        if missing:
-            raise RigError(
-                f"rig {self.rig.name}: output {missing[0]!r} is an angle and cannot be "
-                "prescribed; prescribe positions"
-            )
-        return tuple(self.names.index(name) for name in self.rig.outputs)
 
     def constraint_values(self, state: Array) -> Array:
         """Phi at states (..., n): shape (..., m)."""
@@ -120,7 +123,7 @@ def _with_one(state: Array) -> Array:
 def redundant(
     equations: Equations, values: Mapping[str, Array], rates: Mapping[str, Array]
 ) -> tuple[Array, Array]:
-    """Coordinates and their rates, each (..., n), from those of frames, trolleys and loads.
+    """Coordinates and their rates, each (..., n), from those of the rig's parts.
 
     Args:
         equations: of the rig.
@@ -137,6 +140,11 @@ def redundant(
     for angle, cos, sin in equations.turning:
         q[..., cos], q[..., sin] = np.cos(values[angle]), np.sin(values[angle])
         v[..., cos], v[..., sin] = -q[..., sin] * rates[angle], q[..., cos] * rates[angle]
+    for orientation in equations.orientations:
+        angles = [[given[name] for name in orientation.angles] for given in (values, rates)]
+        directors = np.swapaxes(matrix(np.moveaxis(np.array(angles), 1, -1)), -1, -2)
+        columns = list(orientation.directors)
+        q[..., columns], v[..., columns] = directors.reshape(2, *samples, 9)
     lengths = {rope.coordinate for rope in equations.rig.ropes}
     for name in values:
         if name in equations.names and name not in lengths:
@@ -146,6 +154,7 @@ def redundant(
     for rope in equations.rig.ropes:
         chords = [equations.points[b] - equations.points[a] for a, b in pairwise(rope.path)]
         spans = [_distance(chord, q, v) for chord in chords]
+        spans[-1] = rope.falls * spans[-1][0], rope.falls * spans[-1][1]
         for i, span in enumerate(spans[:-1], start=1):
             k = equations.names.index(f"{rope.name}.span{i}")
             q[..., k], v[..., k] = span

@@ -11,11 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from ..models.errors import PathError
 from ..models.rig import Rig
 from .assembly import equations_of
-from .branch import Branch, branch_of, failure, stay_on_rails, taylor_of
+from .branch import Branch, branch_of, taylor_of
 from .checks import check_times
 from .equations import Equations
 from .motion import Motion, find_slack
 from .reference import Reference
+from .refusal import failure, stay_on_rails
+from .rotation import bryant
+from .servo import prescribe
 from .taylor import Solution, expand
 
 Array = NDArray[np.float64]
@@ -40,8 +43,9 @@ def solve(rig: Rig, reference: Reference, times: ArrayLike) -> Motion:
             says where and when; or it has another number of columns than the rig outputs; or
             a time is not a finite number.
 
-    A path that starts at a singular place, such as a massless pulley hanging straight below its
-    winch (Y 6.1.1), is refused.
+    A pulley without mass may hang straight below its winch at the start of a path or at its end
+    (Y 6.1.1), where its place is undetermined: it is then the limit of the motion, good to about
+    1e-7 m within the first thousandth of the duration, and its acceleration there to a tenth.
 
     Source: flatness of the cranes, Y 4.105 to 4.122 and K theorem 3; the method is Taylor
     expansion of the differentiated equations, as in Pryce (BIT 41, 2001).
@@ -53,17 +57,23 @@ def solve(rig: Rig, reference: Reference, times: ArrayLike) -> Motion:
     branch = branch_of(rig, reference)
     taylor = taylor_of(reference, instants, branch.order)
     guess = branch.near(instants)
-    solution = expand(branch.steps, len(guess), taylor, guess, follow=False)
+    given = prescribe(rig, taylor)
+    solution = expand(branch.steps, len(guess), given, guess, follow=False)
     error = failure(rig, branch.analysis, solution, branch.signs, instants, taylor[0])
     if error is not None:
         raise error
-    motion = _motion(rig, equations_of(rig), solution, instants, branch)
+    motion = _motion(rig, equations_of(rig), solution, instants, branch, taylor)
     stay_on_rails(rig, motion.coordinate_names, motion.positions.T, instants)
     return motion
 
 
 def _motion(
-    rig: Rig, equations: Equations, solution: Solution, times: Array, branch: Branch
+    rig: Rig,
+    equations: Equations,
+    solution: Solution,
+    times: Array,
+    branch: Branch,
+    taylor: Array,
 ) -> Motion:
     """Name the results."""
     n, m = len(equations.names), len(equations.constraint_names)
@@ -75,7 +85,9 @@ def _motion(
     for name, cos, sin in equations.turning:
         near = np.interp(at, branch.times, branch.angles[name])
         columns[name] = _angle(state[cos], state[sin], near)
+    columns |= _bryant_angles(rig, equations, state, taylor)
     directors = {i for _, *pair in equations.turning for i in pair}
+    directors |= {i for orientation in equations.orientations for i in orientation.directors}
     auxiliary = [name for i, name in enumerate(equations.names) if i not in directors]
     names = tuple(dict.fromkeys((*rig.coordinate_names, *auxiliary)))
     positions, velocities, accelerations = np.array([columns[name] for name in names]).transpose(
@@ -84,8 +96,10 @@ def _motion(
     ones = np.ones(len(times))
     tensions = np.array(
         [
-            values[:, spans[-1]] * (lengths[-1] @ np.vstack((state[:, 0], ones)))
-            for spans, lengths in zip(equations.spans, equations.span_lengths, strict=True)
+            values[:, spans[-1]] * (lengths[-1] @ np.vstack((state[:, 0], ones))) / rope.falls
+            for rope, spans, lengths in zip(
+                rig.ropes, equations.spans, equations.span_lengths, strict=True
+            )
         ]
     ).reshape(len(rig.ropes), len(times))
     return Motion(
@@ -100,6 +114,25 @@ def _motion(
         multipliers=values[:, :m],
         slack=find_slack(rig, times, tensions.T),
     )
+
+
+def _bryant_angles(rig: Rig, equations: Equations, state: Array, taylor: Array) -> dict[str, Array]:
+    """Bryant angles of the platforms with two derivatives, (3, N) each: as prescribed, or else
+    from the directors.
+    """
+    factorials = np.array([1.0, 1.0, 2.0])[:, None]
+    found = {}
+    for orientation in equations.orientations:
+        if orientation.angles[0] in rig.outputs:
+            for name in orientation.angles:
+                found[name] = taylor[:3, :, rig.outputs.index(name)] * factorials
+            continue
+        directors = state[list(orientation.directors)].reshape(3, 3, *state.shape[1:])
+        series = bryant(
+            np.moveaxis(directors, (2, 3), (0, 1)).swapaxes(-1, -2) / factorials[..., None, None]
+        )
+        found |= {name: series[..., i] * factorials for i, name in enumerate(orientation.angles)}
+    return found
 
 
 def _angle(cos: Array, sin: Array, near: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Many small linear systems at once."""
+"""Many small linear systems at once, singular ones by steps of least norm."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,3 +52,41 @@ def solve_many(matrix: Array, right: Array) -> tuple[Array, Array]:
             right[i] -= matrix[i, j] * right[j]
         right[i] /= matrix[i, i]
     return right, determinant
+
+
+WEAK = 1e-7
+"""A determinant below this fraction of the product of the rows' sizes asks for a closer look."""
+RANK = 1e-10
+"""Singular values below this fraction of the largest count as zero."""
+CONSISTENT = 1e-6
+"""Largest residual of a singular system that has a solution, over the size of its terms."""
+
+
+def least_norm(
+    matrix: Array, right: Array, values: Array, determinant: Array
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Solutions (k, N) with those of (nearly) singular systems replaced by the shortest ones.
+
+    Args:
+        matrix, right: as for `solve_many`, not overwritten.
+        values, determinant: what that returned.
+
+    Returns:
+        The solutions, and which of the systems (N,) have none.
+    """
+    sizes = np.abs(matrix).max(axis=1)
+    weak = ~(np.abs(determinant) > WEAK * np.prod(sizes, axis=0))
+    weak &= np.isfinite(matrix).all(axis=(0, 1)) & np.isfinite(right).all(axis=0)
+    unsolved = np.zeros(len(weak), dtype=bool)
+    if not weak.any():
+        return values, unsolved
+    scale = np.where(sizes > 0, sizes, 1.0)[:, weak]
+    stack = (matrix[..., weak] / scale[:, None]).transpose(2, 0, 1)
+    goal = right[:, weak] / scale
+    shortest = np.einsum("nij,jn->in", np.linalg.pinv(stack, rcond=RANK), goal)
+    wrong = np.abs(np.einsum("nij,jn->in", stack, shortest) - goal).max(axis=0)
+    size = np.abs(shortest).max(axis=0) + np.abs(goal).max(axis=0)
+    unsolved[weak] = ~(wrong <= CONSISTENT * size)
+    found = values.copy()
+    found[:, weak] = shortest
+    return found, unsolved

@@ -56,9 +56,9 @@ class Motion:
     """[N], shape (N, ropes), columns `Rig.rope_names`; a rope can only pull, > 0."""
     multipliers: Array
     """Of the constraints of `Equations.constraint_names`, shape (N, constraints); a span's is
-    its tension over its length [N/m]."""
+    the tension of all its falls over its length [N/m]."""
     slack: tuple[Slack, ...]
-    """Intervals in which a tension is not > 0, as far as the samples show them."""
+    """Intervals in which a tension is negative, as far as the samples show them."""
 
     def column(self, name: str) -> int:
         """Column of a coordinate.
@@ -78,8 +78,16 @@ class Motion:
 
     @property
     def outputs(self) -> Array:
-        """The coordinates that the reference prescribes, shape (N, outputs)."""
-        return self.positions[:, [self.column(name) for name in self.rig.outputs]]
+        """What the reference prescribes, shape (N, outputs)."""
+        sums = {part.name: part for part in self.rig.combinations}
+        columns = []
+        for name in self.rig.outputs:
+            if name in sums:
+                weights = zip(sums[name].factors, sums[name].of, strict=True)
+                columns.append(sum(a * self.positions[:, self.column(one)] for a, one in weights))
+            else:
+                columns.append(self.positions[:, self.column(name)])
+        return np.stack(columns, axis=1)
 
     @property
     def drive_positions(self) -> Array:
@@ -124,13 +132,18 @@ class Motion:
             np.savetxt(beside, table, "%.17g", ",", header=",".join(names), comments="")
 
 
+ROUNDING = 1e-12
+"""A rope pushes if its tension is below minus this fraction of the largest one."""
+
+
 def find_slack(rig: Rig, times: Array, tensions: Array) -> tuple[Slack, ...]:
-    """Intervals of tensions (N, ropes) that are not > 0, their ends interpolated."""
+    """Intervals of tensions (N, ropes) that are negative, their ends interpolated."""
     found = []
     order = np.argsort(times, kind="stable")
     times, tensions = times[order], tensions[order]
+    least = ROUNDING * np.abs(tensions).max(initial=0.0)
     for rope, tension in zip(rig.rope_names, tensions.T, strict=True):
-        loose = np.concatenate(([False], ~(tension > 0), [False]))
+        loose = np.concatenate(([False], ~(tension >= -least), [False]))
         first = np.flatnonzero(loose[1:] & ~loose[:-1]).tolist()
         last = (np.flatnonzero(~loose[1:] & loose[:-1]) - 1).tolist()
         for i, k in zip(first, last, strict=True):

@@ -224,5 +224,11 @@ def from_move(move: "Move") -> Reference:
     if move.profile == "sampled":
         return from_csv(move.samples, move.order, size=len(move.start) or None)
     if move.profile == "three_phase":
-        return three_phase(move.start, move.goal, move.duration, move.blend, move.order)
-    return rest_to_rest(move.start, move.goal, move.duration, move.order)
+        path = three_phase(move.start, move.goal, move.duration, move.blend, move.order)
+    else:
+        path = rest_to_rest(move.start, move.goal, move.duration, move.order)
+    if move.turning:
+        from .turning import fixed_axis  # which is made of the paths of this module
+
+        return fixed_axis(path, move.turning)
+    return path

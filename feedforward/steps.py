@@ -42,12 +42,18 @@ class Step(NamedTuple):
     """How the coefficient of each equation depends on that of each unknown."""
     kind: Kind
     block: int
+    loose: bool
+    """Whether it places a pulley without mass, which has no place of its own where its ropes are
+    straight; the limit does, and is followed by steps of least norm."""
 
 
-def plan(analysis: Analysis) -> tuple[Step, ...]:
-    """The steps that determine every unknown of a flat system, in order."""
+def plan(analysis: Analysis, further: int = 0) -> tuple[Step, ...]:
+    """The steps that determine every unknown of a flat system, in order.
+
+    Unknown j is determined up to its derivative d_j + `further`.
+    """
     steps = []
-    for stage in range(-max(analysis.unknown_offsets), 1):
+    for stage in range(-max(analysis.unknown_offsets), 1 + further):
         for number, (equations, unknowns) in enumerate(analysis.blocks):
             rows = tuple(
                 (analysis.rows[i], stage + analysis.equation_offsets[i])
@@ -63,12 +69,14 @@ def plan(analysis: Analysis) -> tuple[Step, ...]:
                 slopes = tuple(
                     tuple(_slope(row, order, *column) for column in columns) for row, order in rows
                 )
-                steps.append(Step(rows, columns, slopes, _kind(rows, columns), number))
+                kind = _kind(rows, columns)
+                loose = kind in ("linear", "newton") and not analysis.massless.isdisjoint(unknowns)
+                steps.append(Step(rows, columns, slopes, kind, number, loose))
     return tuple(steps)
 
 
 def _kind(rows: tuple[tuple[Row, int], ...], columns: tuple[tuple[int, int], ...]) -> Kind:
-    if len(rows) == 1 and rows[0][0].output is not None:
+    if len(rows) == 1 and rows[0][0].output is not None and rows[0][0].plain:
         return "given"
     fresh = {j for j, order in columns if order == 0}
     nonlinear = any(

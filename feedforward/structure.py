@@ -27,6 +27,7 @@ from ..models.errors import RigError
 from ..models.rig import Rig
 from .assembly import equations_of
 from .equations import Equations
+from .servo import servo_of
 
 NEVER = -(10**6)
 """Signature of an unknown that does not stand in an equation."""
@@ -45,7 +46,12 @@ class Row:
     quadratic: tuple[tuple[float, int, int], ...] = ()
     """(a, j, k): a w_j w_k"""
     output: int | None = None
-    """Column of the reference that is subtracted."""
+    """Column of what is prescribed that is subtracted."""
+
+    @property
+    def plain(self) -> bool:
+        """Whether it prescribes an unknown itself, not a sum of them."""
+        return len(self.linear) == 1 and self.linear[0][0] == 1.0
 
     def signature(self) -> dict[int, int]:
         """Order of the highest derivative of each unknown in this equation."""
@@ -70,6 +76,8 @@ class Analysis:
     blocks: tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]
     """(equations, unknowns) of each block, in the order in which they can be solved; the i-th
     equation is paired with the i-th unknown."""
+    massless: frozenset[int] = frozenset()
+    """Unknowns that are coordinates of free pulleys without mass."""
 
     @property
     def index(self) -> int:
@@ -121,6 +129,12 @@ def analyse(rig: Rig) -> Analysis:
         equation_offsets=tuple(c.tolist()),
         unknown_offsets=tuple(d.tolist()),
         blocks=_blocks(signature == d[None, :] - c[:, None], partner),
+        massless=frozenset(
+            unknowns.index(f"{load.name}.{axis}")
+            for load in rig.loads
+            for axis in rig.axes
+            if load.mass == 0
+        ),
     )
 
 
@@ -144,7 +158,11 @@ def _rows(equations: Equations) -> tuple[Row, ...]:
                 ),
             )
         )
-    for name, matrix in zip(equations.constraint_names, equations.constraints, strict=True):
+    servo = servo_of(equations.rig)
+    named = zip(equations.constraint_names, equations.constraints, strict=True)
+    for k, (name, matrix) in enumerate(named):
+        if k in servo.implied:
+            continue
         rows.append(
             Row(
                 name=f"constraint {name}",
@@ -157,9 +175,8 @@ def _rows(equations: Equations) -> tuple[Row, ...]:
                 ),
             )
         )
-    for column, j in enumerate(equations.outputs):
-        name = f"servo constraint {equations.names[j]}"
-        rows.append(Row(name=name, linear=((1.0, j),), output=column))
+    for column, (name, terms) in enumerate(zip(servo.names, servo.rows, strict=True)):
+        rows.append(Row(name=f"servo constraint {name}", linear=terms, output=column))
     return tuple(rows)
 
 

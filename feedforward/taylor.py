@@ -9,6 +9,10 @@ All samples are treated at once.
 Which root of the quadratic, or which solution, is a matter of continuity from the start of
 the path.  A block's determinant keeps its sign along a path that the rig can follow, so that
 sign picks the root, and a change of it marks a place that the rig cannot pass.
+
+A pulley without mass is the exception.  Where its two ropes are in line the third one is without
+tension and the pulley's height along them undetermined (Y 6.1.1); the motion goes on through such
+a place, and the limit is followed by steps of least norm from the guess.
 """
 
 from collections.abc import Sequence
@@ -17,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .linear import solve_many
+from .linear import least_norm, solve_many
 from .steps import Array, Series, Step
 from .structure import Row
 
@@ -26,6 +30,10 @@ Flags = NDArray[np.bool_]
 NEWTON_ITERATIONS = 25
 NEWTON_TOLERANCE = 1e-13
 """Newton's method ends when a step is below this fraction of the unknowns' size."""
+SOLVED = 1e-9
+"""Largest residual of a solution found by steps of least norm, over the size of its terms."""
+FLOOR = 1e-3
+"""An equation's terms count as no smaller than this fraction of the largest equation's."""
 SINGULAR = 1e-11
 """A determinant below this fraction of its largest possible value counts as zero."""
 SAME = 1e-6
@@ -42,7 +50,9 @@ class Solution:
     series: Series
     signs: dict[int, Array]
     """Per block the determinant's sign at each sample, 0 where it is singular, shape (N,); blocks
-    that the reference gives have none."""
+    that the reference gives or that place a pulley without mass have none."""
+    straight: Flags
+    """Where a pulley without mass hangs straight and its place is undetermined, shape (N,)."""
 
     @property
     def solved(self) -> Flags:
@@ -73,6 +83,7 @@ def expand(
     zero = np.zeros(reference.shape[1])
     series: Series = [[] for _ in range(unknowns)]
     signs: dict[int, Array] = {}
+    straight = np.zeros(len(zero), dtype=bool)
     with np.errstate(all="ignore"):  # what fails is found by its value
         for step in steps:
             for j, _ in step.columns:
@@ -82,11 +93,13 @@ def expand(
                 series[j][order] = reference[order, :, row.output]
                 continue
             determinant, matrix = _solve(step, series, reference, guess, follow)
-            if step.block not in signs:
+            if step.loose:
+                straight |= _sign(determinant, matrix) == 0
+            elif step.block not in signs:
                 sign = _sign(determinant, matrix)
                 same = sign.shape == zero.shape
                 signs[step.block] = sign if same else np.broadcast_to(sign, zero.shape)
-    return Solution(series, signs)
+    return Solution(series, signs, straight)
 
 
 def _solve(step: Step, series: Series, reference: Array, guess: Array, follow: bool) -> Solved:
@@ -153,8 +166,11 @@ def _sign(determinant: Array, matrix: Array | None) -> Array:
 
 
 def _linear(step: Step, series: Series, reference: Array) -> Solved:
-    matrix = _jacobian(step, series)
-    values, determinant = solve_many(matrix.copy(), -_residuals(step, series, reference))
+    matrix, right = _jacobian(step, series), -_residuals(step, series, reference)
+    values, determinant = solve_many(matrix.copy(), right.copy())
+    if step.loose:
+        values, unsolved = least_norm(matrix, right, values, determinant)
+        values = np.where(unsolved, np.nan, values)
     for (j, order), value in zip(step.columns, values, strict=True):
         series[j][order] = value
     return determinant, matrix
@@ -207,12 +223,18 @@ def _newton(
         if order == 0:
             local[j][0] = start[j]
     for _ in range(NEWTON_ITERATIONS):
-        matrix = _jacobian(step, local)
-        change, determinant = solve_many(matrix.copy(), -_residuals(step, local, part))
+        matrix, right = _jacobian(step, local), -_residuals(step, local, part)
+        change, determinant = solve_many(matrix.copy(), right.copy())
+        if step.loose:
+            change, _ = least_norm(matrix, right, change, determinant)
         for (j, order), delta in zip(step.columns, change, strict=True):
             local[j][order] = local[j][order] + delta
         values = np.array([local[j][order] for j, order in step.columns])
         done = np.abs(change).max(axis=0) <= NEWTON_TOLERANCE * np.abs(values).max(axis=0)
+        if step.loose:  # near a singular place the last digits of a solution are undetermined
+            size = (np.abs(matrix) * np.abs(values)).sum(axis=1)
+            wrong = (np.abs(right) / np.maximum(size, FLOOR * size.max(axis=0))).max(axis=0)
+            done = (wrong <= NEWTON_TOLERANCE) | (done & (wrong <= SOLVED))
         if done.all():
             break
     return np.where(done, values, np.nan), determinant, matrix

@@ -3,8 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from .assembly import equations_of
 from .motion import Motion
 from .reference import Reference
+from .rotation import matrix
+from .servo import prescribe
 from .structure import analyse
 
 Array = NDArray[np.float64]
@@ -21,7 +24,7 @@ def residuals(motion: Motion, reference: Reference) -> Array:
     if not len(motion.times):
         return np.zeros((0, len(analyse(motion.rig).rows)))
     values, seconds = _unknowns(motion)
-    path = reference(motion.times)
+    path = prescribe(motion.rig, reference(motion.times)[None])[0]
     rows = analyse(motion.rig).rows
     wrong, sizes = [], []
     for row in rows:
@@ -52,6 +55,13 @@ def _unknowns(motion: Motion) -> tuple[list[Array], list[Array]]:
             cos, sin = np.cos(angle), np.sin(angle)
             table[f"{frame.name}.cos"] = cos, -sin * turn - cos * rate**2
             table[f"{frame.name}.sin"] = sin, cos * turn - sin * rate**2
+    for orientation in equations_of(motion.rig).orientations:
+        columns = [motion.column(name) for name in orientation.angles]
+        angles = np.array([motion.positions, motion.velocities, 0.5 * motion.accelerations])
+        rotation = matrix(angles[..., columns]).swapaxes(-1, -2).reshape(3, -1, 9)
+        for i, index in enumerate(orientation.directors):
+            name = equations_of(motion.rig).names[index]
+            table[name] = rotation[0, :, i], 2.0 * rotation[2, :, i]
     names = analyse(motion.rig).unknowns
     first = len(names) - motion.multipliers.shape[1] - motion.inputs.shape[1]
     pairs = [table[name] for name in names[:first]]
