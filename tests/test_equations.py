@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from flatrig import models
 from flatrig.feedforward import equations_of, redundant
-from flatrig.models import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Sheave, Trolley
+from flatrig.models import Load, Rail, Rope, Sheave, Trolley
 
 
 def relative(actual, desired):
@@ -81,95 +81,6 @@ def test_rotary_crane_reduces_to_y_5_71_to_5_77(rng, build):
         relative(values[span], phi_value)  # (5.72)
         gradient = [(x * n - y * c) * s, s - x * c - y * n, -length, x - s * c, y - s * n, z]
         relative(slopes[span] @ tangent, gradient)  # (5.73)
-
-
-def extended_rotary_crane() -> Rig:
-    """Y 5.4.4: winches 1 and 2 on the bridge, a sheave in the trolley."""
-    return Rig(
-        name="extended_rotary_crane",
-        frames=(Frame("bridge", "turning", inertia=480.0),),
-        anchors=(
-            Anchor("winch1", (-0.5 * 4.0, 0.0, 0.0), frame="bridge"),
-            Anchor("winch2", (-4.0, 0.0, 0.0), frame="bridge"),
-        ),
-        rails=(Rail("girder", (1.0, 0.0, 0.0), frame="bridge"),),
-        masses=(Trolley("trolley", 10.0, "girder"), Load("load", 100.0)),
-        ropes=(
-            Rope("first", ("winch1", "trolley"), drum_radius=0.2, winch_inertia=0.3),
-            Rope(
-                "second",
-                ("winch2", "trolley", "load"),
-                drum_radius=0.15,
-                winch_inertia=0.4,
-                sheaves=(Sheave("trolley", inertia=0.1, radius=0.1),),
-            ),
-        ),
-        drives=(
-            Drive("first", on="first", limit=1.0),
-            Drive("second", on="second", limit=1.0),
-            Drive("bridge", on="bridge", limit=1.0),
-        ),
-        outputs=("load.x", "load.y", "load.z"),
-        home={"trolley": 5.0, "load": (5.0, 0.0, -5.0)},
-    )
-
-
-def test_extended_rotary_crane_is_y_5_122_to_5_127(rng):
-    """With (x2, y2) = -r (cos, sin) for the bridge; the rail's constraints replace the collinearity
-    of (5.122) and the sheave's rate is (L2 - L0)', which that constraint makes (L2 - L1)'."""
-    rig = extended_rotary_crane()
-    made = equations_of(rig)
-    at = {name: i for i, name in enumerate(made.names)}
-    alpha, r, m, m0 = 0.5, 4.0, 100.0, 10.0
-    heavy = 480.0 / r**2
-    r1, r2, sheave = 0.2, 0.15, 0.1 / 0.1**2
-    for x2, y2, x0, y0, l1, l2, l0, x, y, z in rng.normal(size=(20, 10)):
-        q = np.zeros(len(at))
-        for name, value in {
-            "bridge.cos": -x2 / r,
-            "bridge.sin": -y2 / r,
-            "trolley.x": x0,
-            "trolley.y": y0,
-            "first.length": l1,
-            "second.length": l2,
-            "second.span1": l0,
-            "load.x": x,
-            "load.y": y,
-            "load.z": z,
-        }.items():
-            q[at[name]] = value
-        # Columns of D map the printed coordinates' rates to those of q.
-        printed = ["bridge.cos", "bridge.sin", "trolley.x", "trolley.y", "first.length"]
-        printed += ["second.length", "second.span1", "load.x", "load.y", "load.z"]
-        to_q = np.zeros((len(at), 10))
-        for column, name in enumerate(printed):
-            to_q[at[name], column] = -1 / r if column < 2 else 1.0
-        mass = np.diag([heavy, heavy, m0, m0, 0.3 / r1**2, 0.4 / r2**2, 0.0, m, m, m])
-        mass[5:7, 5:7] += sheave * np.array([[1, -1], [-1, 1]])  # (5.125), L1' = L0'
-        relative(to_q.T @ made.mass @ to_q, mass)
-        values = dict(zip(made.constraint_names, made.constraint_values(q), strict=True))
-        slopes = dict(zip(made.constraint_names, made.constraint_jacobian(q) @ to_q, strict=True))
-        one, two = x0 - alpha * x2, y0 - alpha * y2
-        relative(values["first.1"], 0.5 * (one**2 + two**2 - l1**2))  # (5.122a)
-        relative(values["second.1"], 0.5 * ((x0 - x2) ** 2 + (y0 - y2) ** 2 - l0**2))  # (5.122b)
-        relative(values["bridge.unit"] * r**2, 0.5 * (x2**2 + y2**2 - r**2))  # (5.122c)
-        phi = 0.5 * ((x - x0) ** 2 + (y - y0) ** 2 + z**2 - (l2 - l0) ** 2)
-        relative(values["second.2"], phi)  # (5.123)
-        # (5.127), whose gradients have the opposite sign: the multipliers' sign is a convention.
-        h1 = -np.array([alpha * one, alpha * two, -one, -two, l1, 0, 0, 0, 0, 0])
-        h2 = -np.array([x0 - x2, y0 - y2, x2 - x0, y2 - y0, 0, 0, l0, 0, 0, 0])
-        g = -np.array([0, 0, x - x0, y - y0, 0, l2 - l0, l0 - l2, x0 - x, y0 - y, -z], dtype=float)
-        relative(slopes["first.1"], h1)
-        relative(slopes["second.1"], h2)
-        relative(slopes["bridge.unit"] * r**2, np.array([x2, y2, *np.zeros(8)]))
-        relative(slopes["second.2"], g)
-        inputs = np.zeros((10, 3))
-        inputs[4, 0], inputs[5, 1] = 1 / r1, 1 / r2
-        inputs[0, 2], inputs[1, 2] = -y2 / r**2, x2 / r**2
-        relative(to_q.T @ made.input_matrix(q), inputs)  # (5.126)
-        force = np.zeros(10)
-        force[9] = -m * 9.81
-        relative(to_q.T @ made.force, force)  # (5.126)
 
 
 def test_redundant_coordinates_satisfy_the_constraints_and_their_rates(rng):
