@@ -35,14 +35,14 @@ CATALOGUE: dict[str, Callable[..., Rig]] = {
 
 
 def full_name(name: str) -> str:
-    """The catalogue's name for a name that may be short or hyphenated ("overhead").
+    """The catalogue's name for a name that may be short or hyphenated ("overhead", "navy-2d").
 
     Raises:
         RigError: no rig of the catalogue is called so.
     """
     plain = word("the name of a rig", name).replace("-", "_").lower()
     for known in CATALOGUE:
-        if plain in (known, known.removesuffix("_crane")):
+        if plain in (known, known.replace("_crane", "")):
             return known
     raise RigError(f"there is no rig {name!r} in the catalogue{did_you_mean(plain, CATALOGUE)}")
 

@@ -138,8 +138,8 @@ def _check_ropes(rig: "Rig") -> None:
                 raise RigError(f"{label}: its path goes from {before!r} to itself")
         _positive(label, "drum_radius", rope.drum_radius, "m")
         _positive(label, "winch_inertia", rope.winch_inertia, "kg m2")
-        if isinstance(rope.falls, bool) or not isinstance(rope.falls, int) or rope.falls < 1:
-            raise RigError(f"{label}: falls is {rope.falls!r}, it must be a whole number >= 1")
+        if rope.falls < 1:
+            raise RigError(f"{label}: falls is {rope.falls}, it must be >= 1")
         for sheave in rope.sheaves:
             if [other.at for other in rope.sheaves].count(sheave.at) > 1:
                 raise RigError(f"{label}: two sheaves stand at {sheave.at!r}")

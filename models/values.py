@@ -39,6 +39,18 @@ def number(label: str, value: object, *, endless: bool = False) -> float:
     return plain
 
 
+def whole(label: str, value: object) -> int:
+    """A whole number, also one written as 4.0.
+
+    Raises:
+        RigError: it is none.
+    """
+    plain = number(label, value)
+    if not plain.is_integer():
+        raise RigError(f"{label} is {plain:g}, it must be a whole number")
+    return int(plain)
+
+
 def word(label: str, value: object) -> str:
     """A name.
 
@@ -103,7 +115,9 @@ def clean(part: Any) -> None:
                 if not isinstance(entry, kind.__args__[0]):
                     needed = getattr(kind.__args__[0], "__name__", str(kind.__args__[0]))
                     raise RigError(f"{label} holds {entry!r}, it must be a {needed}")
-        elif kind is int or kind == Literal[2, 3]:
+        elif kind is int:
+            plain = whole(label, value)
+        elif kind == Literal[2, 3]:
             plain = value
         else:
             plain = Home(value)

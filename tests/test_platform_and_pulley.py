@@ -89,7 +89,10 @@ def test_four_falls_carry_a_quarter_each():
 
 def test_falls_are_a_whole_number():
     (rope,) = models.overhead_crane().ropes
-    with pytest.raises(RigError, match="falls is 0, it must be a whole number >= 1"):
+    assert replace(rope, falls=4.0).falls == 4
+    with pytest.raises(RigError, match=r"falls is 2\.5, it must be a whole number"):
+        replace(rope, falls=2.5)
+    with pytest.raises(RigError, match="falls is 0, it must be >= 1"):
         replace(models.overhead_crane(), ropes=(replace(rope, falls=0),))
 
 
