@@ -84,9 +84,9 @@ def branch_of(rig: Rig, reference: Reference) -> Branch:
     _accept(rig, reference, analysis)
     equations = equations_of(rig)
     steps = plan(analysis)
-    approach = _approach(rig, reference, analysis, equations, steps)
-    signs = {block: float(sign[0]) for block, sign in approach.signs.items()}
-    values = _values(approach)
+    arrived = approach(rig, tuple(np.asarray(reference.start).tolist()))
+    signs = {block: float(sign[0]) for block, sign in arrived.signs.items()}
+    values = _values(arrived)
     turned = {
         name: np.unwrap(np.arctan2(values[sin], values[cos]))[-1]
         for name, cos, sin in equations.turning
@@ -178,19 +178,16 @@ def _accept(rig: Rig, reference: Reference, analysis: Analysis) -> None:
         )
 
 
-def _approach(
-    rig: Rig,
-    reference: Reference,
-    analysis: Analysis,
-    equations: Equations,
-    steps: tuple[Step, ...],
-) -> Solution:
-    """The solution in rest from home to the start of the path, by the first way that has one."""
+@lru_cache(maxsize=512)
+def approach(rig: Rig, start: tuple[float, ...]) -> Solution:
+    """The solution in rest from home to the start of a path, by the first way that has one."""
+    analysis, equations = analyse(rig), equations_of(rig)
+    steps = plan(analysis)
     values, home = _home(rig, equations)
     outputs = np.array([_output(rig, values, name) for name in rig.outputs])
     when = "on the way from the rig's home to the start"
     errors = []
-    for way in _ways(outputs, np.asarray(reference.start)):
+    for way in _ways(outputs, np.array(start)):
         taylor = np.zeros((_order(analysis) + 1, *way.shape))
         taylor[0] = way
         solution = expand(steps, len(home), prescribe(rig, taylor), home[:, None], follow=True)

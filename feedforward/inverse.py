@@ -96,7 +96,9 @@ def _motion(
     ones = np.ones(len(times))
     tensions = np.array(
         [
-            values[:, spans[-1]] * (lengths[-1] @ np.vstack((state[:, 0], ones))) / rope.falls
+            values[:, spans[0]]
+            * (lengths[0] @ np.vstack((state[:, 0], ones)))
+            / (rope.falls if len(spans) == 1 else 1)
             for rope, spans, lengths in zip(
                 rig.ropes, equations.spans, equations.span_lengths, strict=True
             )

@@ -53,7 +53,8 @@ class Motion:
     inputs: Array
     """[N] or [N m], shape (N, inputs), columns `Rig.input_names`."""
     tensions: Array
-    """[N], shape (N, ropes), columns `Rig.rope_names`; a rope can only pull, > 0."""
+    """Where a rope leaves its winch [N], shape (N, ropes), columns `Rig.rope_names`; > 0, since a
+    rope can only pull."""
     multipliers: Array
     """Of the constraints of `Equations.constraint_names`, shape (N, constraints); a span's is
     the tension of all its falls over its length [N/m]."""

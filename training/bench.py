@@ -17,7 +17,8 @@ from rich.text import Text
 
 from .. import models
 from ..feedforward import Reference, analyse, equations_of, from_move, solve
-from ..feedforward.branch import branch_of
+from ..feedforward.branch import approach, branch_of
+from ..feedforward.servo import servo_of
 from ..models import Rig, default_move
 from . import options
 from .accuracy import accuracy_table
@@ -61,7 +62,8 @@ def feedforward_table(repetitions: int) -> Table:
     """Time and memory of the solver."""
     shown = table(
         "Exact feedforward (first: with the analysis and the branch, which are remembered)",
-        "rig", "samples", "first [ms]", "best [ms]", "median [ms]", "goal [ms]", "peak [MB]", "goal [MB]", "",
+        "rig", "samples", "first [ms]", "best [ms]", "median [ms]", "goal [ms]",
+        "peak [MB]", "goal [MB]", "",
     )  # fmt: skip
     for name in models.CATALOGUE:
         rig, reference = models.make(name), from_move(default_move(name))
@@ -91,7 +93,7 @@ def feedforward_table(repetitions: int) -> Table:
 
 def _first(rig: Rig, reference: Reference, times: Array) -> float:
     """Time of a solution with nothing remembered from an earlier one [ms]."""
-    for remembered in (analyse, branch_of, equations_of):
+    for remembered in (analyse, branch_of, equations_of, servo_of, approach):
         remembered.cache_clear()
     begin = time.perf_counter()
     solve(rig, reference, times)
