@@ -3,8 +3,12 @@
 MuJoCo keeps mass-matrix entries only between a degree of freedom and its ancestors, and drops
 the others of a tendon's armature without a word.  So all masses that ropes tie to one another,
 directly or through other masses, sit on one chain, below the frame that carries their rails and
-anchors: frame, then trolleys, then free pulleys, then loads.  Each body's joints count from the
-body above it; `flatrig.models.state` converts.
+anchors: frame, then trolleys, then free pulleys, then loads, then the platform.  Each body's joints
+count from the body above it; `flatrig.models.state` converts.
+
+A platform ends its chain, since whatever is below it would turn with it.  Its three hinges are its
+Bryant angles, whose first and last axis fall together at beta = +-90 degrees (gimbal lock); a
+platform on ropes does not get there.
 """
 
 from collections.abc import Iterable
@@ -14,9 +18,10 @@ from math import cos, sin
 from typing import cast
 
 from .errors import ModelError
-from .rig import WORLD, Frame, Load, Rig, Rope, Trolley, Vector
+from .rig import WORLD, Frame, Load, Platform, Rig, Rope, Trolley, Vector
 
-Part = Frame | Trolley | Load
+Mass = Trolley | Load | Platform
+Part = Frame | Mass
 
 
 @dataclass(frozen=True)
@@ -48,14 +53,8 @@ def links(rig: Rig) -> tuple[Link, ...]:
     """The bodies of a rig's model, each after its parent, in the order of MuJoCo's bodies.
 
     Raises:
-        ModelError: ropes tie together what cannot sit on one chain, or a load has no mass.
+        ModelError: ropes tie together what cannot sit on one chain.
     """
-    for load in rig.loads:
-        if load.mass == 0:
-            raise ModelError(
-                f"load {load.name}: mass is 0 kg, MuJoCo needs a positive mass on every body; "
-                "give it a small one, e.g. 1e-3 kg"
-            )
     components = _components(rig)
     carriers = [_carrier(rig, members) for members in components]
     chain: list[Link] = []
@@ -78,28 +77,34 @@ def pulleys(rig: Rig) -> frozenset[str]:
     return frozenset(point for rope in rig.ropes for point in rope.path[1:-1])
 
 
-def _components(rig: Rig) -> list[list[Trolley | Load]]:
-    """Trolleys and loads, grouped by the ropes that tie them together."""
+def _tied(rig: Rig, rope: Rope) -> set[str]:
+    """Names of what a rope's path touches, a platform in place of its corners."""
+    corners = {a.name: a.frame for a in rig.anchors if rig.platform(a.frame) is not None}
+    return {corners.get(point, point) for point in rope.path}
+
+
+def _components(rig: Rig) -> list[list[Mass]]:
+    """Trolleys, loads and platforms, grouped by the ropes that tie them together."""
     groups: list[set[str]] = [{mass.name} for mass in rig.masses]
     for rope in rig.ropes:
-        tied = [group for group in groups if group & set(rope.path)]
+        tied = [group for group in groups if group & _tied(rig, rope)]
         if tied:
             groups = [group for group in groups if group not in tied] + [set().union(*tied)]
     found = [[mass for mass in rig.masses if mass.name in group] for group in groups]
     return sorted(found, key=lambda members: rig.masses.index(members[0]))
 
 
-def _carrier(rig: Rig, members: list[Trolley | Load]) -> Frame | None:
+def _carrier(rig: Rig, members: list[Mass]) -> Frame | None:
     """The frame below which a group of masses hangs; None for the world."""
     names = {mass.name for mass in members}
-    ropes = [rope for rope in rig.ropes if names & set(rope.path)]
+    ropes = [rope for rope in rig.ropes if names & _tied(rig, rope)]
     carried = {
         mass.name: rig.rail(mass.rail).frame for mass in members if isinstance(mass, Trolley)
     }
     carried |= {
         anchor.name: anchor.frame
         for anchor in rig.anchors
-        if any(anchor.name in rope.path for rope in ropes)
+        if anchor.frame not in names and any(anchor.name in rope.path for rope in ropes)
     }
     moving = {name: frame for name, frame in carried.items() if frame != WORLD}
     frames = sorted(set(moving.values()))
@@ -129,18 +134,37 @@ def _frame_link(rig: Rig, frame: Frame) -> Link:
     return Link(frame, None, frame, position, (frame.coordinate,), (value,))
 
 
-def _chain(rig: Rig, members: list[Trolley | Load], above: Link | None) -> list[Link]:
-    """Trolleys, then free pulleys, then loads, each on the one before."""
+def _chain(rig: Rig, members: list[Mass], above: Link | None) -> list[Link]:
+    """Trolleys, then free pulleys, then loads, then a platform, each on the one before."""
     inner = pulleys(rig)
     loads = [mass for mass in members if isinstance(mass, Load)]
+    platforms = [mass for mass in members if isinstance(mass, Platform)]
+    _check_platforms(platforms, above)
     chain: list[Link] = []
     for mass in members:
         if isinstance(mass, Trolley):
             chain.append(_trolley_link(rig, mass, chain[-1] if chain else above))
     for load in sorted(loads, key=lambda load: load.name not in inner):
         frame = None if above is None else above.frame
-        chain.append(_load_link(rig, load, chain[-1] if chain else above, frame))
+        chain.append(_free_link(rig, load, chain[-1] if chain else above, frame))
+    for platform in platforms:
+        frame = None if above is None else above.frame
+        chain.append(_free_link(rig, platform, chain[-1] if chain else above, frame))
     return chain
+
+
+def _check_platforms(platforms: list[Platform], above: Link | None) -> None:
+    if len(platforms) > 1:
+        names = " and ".join(platform.name for platform in platforms)
+        raise ModelError(
+            f"ropes tie platforms {names} together, of which the lower would turn with the upper "
+            "in MuJoCo's chain of bodies; tie each to trolleys, loads or anchors only"
+        )
+    if platforms and above is not None and cast(Frame, above.part).kind == "turning":
+        raise ModelError(
+            f"platform {platforms[0].name} hangs from turning frame {above.name}, but its angles "
+            "count from fixed axes; hang it from a sliding frame or from the world"
+        )
 
 
 def _trolley_link(rig: Rig, trolley: Trolley, parent: Link | None) -> Link:
@@ -165,11 +189,14 @@ def _trolley_link(rig: Rig, trolley: Trolley, parent: Link | None) -> Link:
     return Link(trolley, parent, frame, position, (trolley.coordinate,), (value,), sums)
 
 
-def _load_link(rig: Rig, load: Load, parent: Link | None, frame: Frame | None) -> Link:
-    position = _minus(_home_point(rig, load, frame), _origin(rig, parent))
-    joints = tuple(f"{load.name}.{axis}" for axis in rig.axes)
+def _free_link(rig: Rig, mass: Load | Platform, parent: Link | None, frame: Frame | None) -> Link:
+    """Slides for a load; slides, then hinges for the angles of a platform."""
+    position = _minus(_home_point(rig, mass, frame), _origin(rig, parent))
+    joints = tuple(f"{mass.name}.{axis}" for axis in rig.axes)
     home = tuple(position["xyz".index(axis)] for axis in rig.axes)
-    return Link(load, parent, frame, position, joints, home)
+    if isinstance(mass, Platform):
+        joints, home = (*joints, *mass.angles), (*home, 0.0, 0.0, 0.0)
+    return Link(mass, parent, frame, position, joints, home)
 
 
 def _origin(rig: Rig, link: Link | None) -> Vector:
@@ -179,7 +206,7 @@ def _origin(rig: Rig, link: Link | None) -> Vector:
     return _home_point(rig, link.part, link.frame)
 
 
-def _home_point(rig: Rig, mass: Trolley | Load, frame: Frame | None) -> Vector:
+def _home_point(rig: Rig, mass: Mass, frame: Frame | None) -> Vector:
     """Home position of a mass in its frame's axes, from the frame's origin."""
     x, y, z = point = rig.home_point(mass.name)
     if frame is None:

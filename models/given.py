@@ -14,13 +14,12 @@ Array = NDArray[np.float64]
 def gather(
     rig: Rig, coordinates: Mapping[str, ArrayLike], rates: Mapping[str, ArrayLike]
 ) -> dict[str, Array]:
-    """Positions and rates of all frames, trolleys and loads by coordinate, each (2, N).
+    """Positions and rates of all coordinates but ropes', by name, each (2, N).
 
     Parameters and errors as of `flatrig.models.state.joint_state`.
     """
-    needed = [frame.coordinate for frame in rig.frames]
-    needed += [trolley.coordinate for trolley in rig.trolleys]
-    needed += [f"{load.name}.{axis}" for load in rig.loads for axis in rig.axes]
+    ropes = {rope.coordinate for rope in rig.ropes}
+    needed = [name for name in rig.coordinate_names if name not in ropes]
     _known(rig, coordinates, rates)
     for name in needed:
         if name not in coordinates:

@@ -1,19 +1,17 @@
-"""What a rig looks like: materials, floor, light, two cameras, and its parts (see `drawing`).
+"""What a rig looks like: its size, materials, floor, light, two cameras (parts: see `dressing`).
 
 Nothing here has mass or touches anything.  Sizes follow from the rig's own: from its rails'
 ends, its anchors, and how far below them its loads hang.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from .chain import pulleys
-from .rig import WORLD, Rail, Rig, Trolley
+from . import booms
+from .rig import Rail, Rig
 
 Array = NDArray[np.float64]
 
@@ -41,6 +39,12 @@ VIEWS = {"overview": (-0.5, 1.0, -0.32), "side": (0.0, 1.0, -0.04)}
 
 ASPECT = 4 / 3
 """Narrowest picture (width over height) that still shows everything."""
+
+WAY = 1.5
+"""Of a sliding frame from home to either side as drawn, over how far loads hang."""
+
+RAIL = 1.0
+"""The same of a trolley on a rail without ends."""
 
 MARGIN = 1.05
 """Picture over what must be seen."""
@@ -75,18 +79,19 @@ class Sizes:
 
 def sizes(rig: Rig) -> Sizes:
     """Find them from anchors, rails, home and the ways of turning and sliding frames."""
-    loads = [np.array(rig.home_of(load), dtype=float) for load in rig.loads]
-    fixed = [np.array(anchor.position) for anchor in rig.anchors]
+    loads = [np.array(rig.home_point(name)) for name in _hanging(rig)]
     used = [rig.rail(trolley.rail) for trolley in rig.trolleys]
-    top = max([0.0, *(rail.origin[2] for rail in used), *(point[2] for point in fixed)])
+    fixed = [(a.frame, np.array(a.position)) for a in rig.anchors if not rig.platform(a.frame)]
+    fixed += [(boom.frame, boom.foot) for boom in booms.find(rig)]
+    top = max([0.0, *(rail.origin[2] for rail in used), *(point[2] for _, point in fixed)])
     reach = max(1e-3, top - min(float(load[2]) for load in loads))
-    spots = [*loads, *fixed]
     for rail in used:
         for end in rail_ends(rig, rail, reach):
-            spots.append(np.asarray(rail.origin) + end * np.asarray(rail.direction))
+            fixed.append((rail.frame, np.asarray(rail.origin) + end * np.asarray(rail.direction)))
+    spots = [*loads, *(point + _slid(rig, frame) for frame, point in fixed)]
     for frame in rig.frames:
         if frame.kind == "sliding":
-            way = reach * np.asarray(frame.axis)
+            way = WAY * reach * np.asarray(frame.axis)
             spots = [spot + step for spot in spots for step in (-way, way)]
     turning = any(frame.kind == "turning" for frame in rig.frames)
     if turning:
@@ -100,20 +105,36 @@ def sizes(rig: Rig) -> Sizes:
     if turning:
         base = [[x * unit, y * unit, low] for x in (-1.6, 1.6) for y in (-1.6, 1.6)]
         return Sizes(np.vstack([cloud, base, [[0.0, 0.0, high]]]), unit, reach)
-    margin = np.array([[x * unit, 2 * y * unit, 0] for x in (-1, 1) for y in (-1, 1)])
+    side = 1.6 if rig.frames else 1.0  # the trucks of a bridge stand beyond its rails
+    margin = np.array([[side * x * unit, 2 * y * unit, 0] for x in (-1, 1) for y in (-1, 1)])
     flat = (cloud[:, None] + margin).reshape(-1, 3)
     upper, lower = flat.copy(), flat.copy()
     upper[:, 2], lower[:, 2] = high, low
     return Sizes(np.vstack([upper, lower]), unit, reach)
 
 
+def _hanging(rig: Rig) -> list[str]:
+    """Names of the loads and of the platforms with their corners."""
+    corners = [anchor.name for anchor in rig.anchors if rig.platform(anchor.frame)]
+    platforms = [platform.name for platform in rig.platforms]
+    return [*(load.name for load in rig.loads), *platforms, *corners]
+
+
+def _slid(rig: Rig, name: str) -> Array:
+    """How far a sliding frame is from the origin at home; zero for others."""
+    frame = rig.frame(name)
+    if frame is None or frame.kind != "sliding":
+        return np.zeros(3)
+    return np.asarray(float(np.asarray(rig.home_of(frame))) * np.asarray(frame.axis))
+
+
 def rail_ends(rig: Rig, rail: Rail, reach: float) -> tuple[float, float]:
-    """Ends of a rail as drawn: its own, or else twice the reach from the trolleys' homes [m]."""
+    """Ends of a rail as drawn: its own, or else a way from the trolleys' homes [m]."""
     homes = [
         float(np.asarray(rig.home_of(mass))) for mass in rig.trolleys if mass.rail == rail.name
     ]
-    start = rail.start if np.isfinite(rail.start) else min(homes, default=0.0) - 2 * reach
-    end = rail.end if np.isfinite(rail.end) else max(homes, default=0.0) + 2 * reach
+    start = rail.start if np.isfinite(rail.start) else min(homes, default=0.0) - RAIL * reach
+    end = rail.end if np.isfinite(rail.end) else max(homes, default=0.0) + RAIL * reach
     return start, end
 
 
@@ -137,43 +158,6 @@ def prepare(scene: mujoco.MjSpec, rig: Rig) -> None:
     _lights(scene, size)
     for name, towards in VIEWS.items():
         _camera(scene, name, np.array(towards), size.cloud)
-
-
-def dress(scene: mujoco.MjSpec, rig: Rig, bodies: Mapping[str, Any]) -> None:
-    """Give bodies, anchors and ropes their looks; after they are made."""
-    from . import drawing
-
-    size = sizes(rig)
-    paint = drawing.Painter(scene)
-    for rail in rig.rails:
-        ends = rail_ends(rig, rail, size.reach)
-        frame = rig.frame(rail.frame)
-        if frame is None:
-            drawing.fixed_rail(paint, scene.worldbody, rail, ends, size)
-        elif frame.kind == "turning":
-            drawing.jib(paint, bodies[frame.name], rail, ends, size)
-        else:
-            drawing.portal(paint, bodies[frame.name], rail, ends, size)
-    for frame in rig.frames:
-        if frame.kind == "turning":
-            drawing.tower(paint, scene.worldbody, frame.name, size)
-    winches = {rope.path[0] for rope in rig.ropes}
-    sheaves = pulleys(rig)
-    for anchor in rig.anchors:
-        body = bodies[anchor.frame] if anchor.frame != WORLD else scene.worldbody
-        drawing.anchor(paint, body, anchor, anchor.name in winches, anchor.name in sheaves, size)
-    for mass in rig.masses:
-        body = bodies[mass.name]
-        if isinstance(mass, Trolley):
-            drawing.trolley(paint, body, rig.rail(mass.rail), mass.name, mass.name in winches, size)
-        elif mass.name in sheaves:
-            drawing.pulley(paint, body, mass.name, size)
-        else:
-            drawing.cargo(paint, body, mass.name, size)
-    for index, rope in enumerate(rig.ropes):
-        scene.tendon(rope.name).material = ROPES[index % len(ROPES)]
-        for sheave in rope.sheaves:
-            scene.tendon(f"{rope.name}.{sheave.at}").group = 3  # hidden: it lies on its rope
 
 
 def _picture(scene: mujoco.MjSpec, size: Sizes) -> None:

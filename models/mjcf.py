@@ -5,10 +5,16 @@
 A rope with its winch becomes a spatial tendon with `armature` J/r^2 and a motor on the tendon
 with gear 1/r: the sources' equations exactly, without a constraint.  A turning frame is a hinge
 with the frame's inertia as joint armature, a sliding frame and a trolley are a mass on a slide, a
-load is a point mass on two or three slides (`flatrig.models.chain` says on which body).  A sheave
-with inertia adds a second tendon along the rest of its rope, whose rate is the rope's speed over
-the sheave.  Inputs are not clipped; rails do not end; ropes never go slack, they push instead:
-whoever steps the model looks at `flatrig.models.state.tensions`.
+load is a point mass on two or three slides, a platform a rigid body on three slides and three
+hinges (`flatrig.models.chain` says on which body).  A sheave with inertia adds a second tendon
+along the rest of its rope, whose rate is the rope's speed over the sheave.  A rope's last span
+counts as often as it has falls.  Inputs are not clipped; rails do not end; ropes never go slack,
+they push instead: whoever steps the model looks at `flatrig.models.state.tensions`.
+
+A load without mass, such as the ideal free pulley, cannot be a body of MuJoCo: `massless` is the
+mass that stands in for it, without weight.  The model is then a limit: a load's error falls in
+proportion to that mass, as long as the time step resolves the pulley's faster motion (1e-4 kg at
+1 ms for the Navy cranes; 1e-6 kg diverges).
 
 Names: bodies as the parts, joints as the coordinates ("bridge.angle", "load.x": a load's count
 from the body above), sites as the points, tendons as the ropes, actuators as the drives; cameras
@@ -20,11 +26,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from . import looks
+from . import dressing, looks, rigging
 from .armature import check, tendon_jacobian
-from .chain import Link, links
+from .chain import Link, Part, links
 from .errors import ModelError, did_you_mean
-from .rig import Frame, Load, Rig, Rope, Trolley
+from .rig import WORLD, Frame, Platform, Rig, Trolley
 from .state import State, coordinates, joint_state, points, tensions
 
 __all__ = [
@@ -47,6 +53,9 @@ INTEGRATORS = {
 POINT_INERTIA = 1e-12
 """Principal moments of inertia of a point mass [kg m2]; MuJoCo needs some."""
 
+LARGEST_SHARE = 0.1
+"""Largest mass that may stand in for none, over that of all loads."""
+
 FRAME_MASS = 1e-9
 """Mass of a turning frame's body [kg], whose inertia is its joint's armature."""
 
@@ -58,6 +67,7 @@ def compile(
     integrator: str = "RK4",
     visuals: bool = True,
     friction: bool = False,
+    massless: float | None = None,
 ) -> mujoco.MjModel:
     """The rig's MuJoCo model, checked for dropped inertia.
 
@@ -74,13 +84,22 @@ def compile(
     friction
         Leave MuJoCo's constraints on, so that `dof_frictionloss` and `tendon_frictionloss` may be
         set at run time; costs time.
+    massless
+        Stands in for the mass of loads that have none [kg]; None refuses them.
 
     Raises
     ------
     ModelError
         MuJoCo cannot hold the rig or would simulate something else, or an option is wrong.
     """
-    scene = spec(rig, timestep=timestep, integrator=integrator, visuals=visuals, friction=friction)
+    scene = spec(
+        rig,
+        timestep=timestep,
+        integrator=integrator,
+        visuals=visuals,
+        friction=friction,
+        massless=massless,
+    )
     model = scene.compile()
     check(model)
     return model
@@ -93,6 +112,7 @@ def spec(
     integrator: str = "RK4",
     visuals: bool = True,
     friction: bool = False,
+    massless: float | None = None,
 ) -> mujoco.MjSpec:
     """The same as an editable `mujoco.MjSpec`; parameters and errors as `compile`."""
     scene = mujoco.MjSpec()
@@ -104,21 +124,24 @@ def spec(
     _options(scene, rig, timestep, integrator, friction)
     if visuals:
         looks.prepare(scene, rig)
-    bodies = {"": scene.worldbody}
+    _check_masses(rig, massless)
+    bodies = {WORLD: scene.worldbody}
     for link in links(rig):
-        bodies[link.name] = _body(bodies[link.parent.name if link.parent else ""], link, rig)
+        bodies[link.name] = _body(bodies[link.parent.name if link.parent else WORLD], link, rig)
+    for load in rig.loads:
+        if load.mass == 0:
+            bodies[load.name].mass, bodies[load.name].gravcomp = massless, 1.0
     for anchor in rig.anchors:
-        body = bodies[anchor.frame] if rig.frame(anchor.frame) else scene.worldbody
-        body.add_site(name=anchor.name, pos=anchor.position)
+        bodies[anchor.frame].add_site(name=anchor.name, pos=anchor.position)
     for link in links(rig):
-        _sum_of_slides(scene, link)
+        rigging.add_sum(scene, link)
     for rope in rig.ropes:
-        _rope(scene, rope)
+        rigging.add_rope(scene, rope)
     for drive in rig.drives:
-        _motor(scene, rig, drive.name, drive.limit, rig.driven(drive))
+        rigging.add_motor(scene, rig, drive.name, drive.limit, rig.driven(drive))
     if visuals:
-        looks.dress(scene, rig, bodies)
-        _sensors(scene, rig)
+        dressing.dress(scene, rig, bodies)
+        rigging.add_sensors(scene, rig)
     home = [value for link in links(rig) for value in link.home]
     scene.add_key(name="home", qpos=home, ctrl=np.zeros(len(rig.drives)))
     try:
@@ -146,6 +169,23 @@ def _options(
         scene.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
 
 
+def _check_masses(rig: Rig, massless: float | None) -> None:
+    """Every body needs a mass, and one that stands in for none must be small."""
+    without = [load.name for load in rig.loads if load.mass == 0]
+    if without and massless is None:
+        raise ModelError(
+            f"load {without[0]}: mass is 0 kg, MuJoCo needs a positive mass on every body; give "
+            "one that stands in for it [kg], as in compile(rig, massless=1e-3)"
+        )
+    number = isinstance(massless, int | float | np.number) and not isinstance(massless, bool)
+    largest = LARGEST_SHARE * rig.weight / rig.gravity
+    if massless is not None and not (number and 0 < massless <= largest):
+        raise ModelError(
+            f"massless is {massless!r} kg, it must be a number > 0 and at most {largest:g}, "
+            f"{LARGEST_SHARE:g} of the loads' mass"
+        )
+
+
 def _body(parent: Any, link: Link, rig: Rig) -> Any:
     """A body at its home pose, its joints reading the home values there."""
     part = link.part
@@ -159,86 +199,28 @@ def _body(parent: Any, link: Link, rig: Rig) -> Any:
     else:
         body.mass = part.mass
         body.add_site(name=part.name)
+    if isinstance(part, Platform):
+        body.inertia = part.inertia
     if turning is not None and link.home[0] != 0:
         body.alt.type = mujoco.mjtOrientation.mjORIENTATION_AXISANGLE
         body.alt.axisangle = [0, 0, 1, link.home[0]]
-    kind = mujoco.mjtJoint.mjJNT_HINGE if turning else mujoco.mjtJoint.mjJNT_SLIDE
+    hinges = part.angles if isinstance(part, Platform) else (link.joints[0],) if turning else ()
     for name, value in zip(link.joints, link.home, strict=True):
+        kind = mujoco.mjtJoint.mjJNT_HINGE if name in hinges else mujoco.mjtJoint.mjJNT_SLIDE
         joint = body.add_joint(name=name, type=kind, axis=_axis(rig, part, name), ref=value)
         if turning is not None:
             joint.armature = turning.inertia
     return body
 
 
-def _axis(rig: Rig, part: Frame | Trolley | Load, joint: str) -> list[float]:
+def _axis(rig: Rig, part: Part, joint: str) -> list[float]:
     if isinstance(part, Frame):
         return list(part.axis)
     if isinstance(part, Trolley):
         return list(rig.rail(part.rail).direction)
-    return [float(joint.endswith(f".{axis}")) for axis in "xyz"]
-
-
-def _sum_of_slides(scene: mujoco.MjSpec, link: Link) -> None:
-    """A trolley that rides on another one has a position of its own: a sum of slides."""
-    if link.sums:
-        tendon = scene.add_tendon(name=link.joints[0])
-        for name, factor in link.sums:
-            tendon.wrap_joint(name, factor)
-
-
-def _rope(scene: mujoco.MjSpec, rope: Rope) -> None:
-    """Its tendon, then one for each sheave with inertia: the path from there to the rope's end."""
-    _path(scene, rope.name, rope.path, rope.inertia_along)
-    for sheave in rope.sheaves:
-        rest = rope.path[rope.after(sheave) :]
-        _path(scene, f"{rope.name}.{sheave.at}", rest, sheave.inertia / sheave.radius**2)
-
-
-def _path(scene: mujoco.MjSpec, name: str, path: tuple[str, ...], inertia: float) -> None:
-    tendon = scene.add_tendon(name=name, armature=_tidy(inertia))
-    for point in path:
-        tendon.wrap_site(point)
-
-
-def _motor(
-    scene: mujoco.MjSpec, rig: Rig, name: str, limit: float, part: Frame | Trolley | Rope
-) -> None:
-    """A force or torque; its range is for sliders and scaling and clips nothing."""
-    motor = scene.add_actuator(name=name)
-    motor.type = mujoco.mjtActuator.mjACTUATOR_MOTOR
-    motor.ctrlrange = [-_tidy(limit), _tidy(limit)]
-    motor.ctrllimited = mujoco.mjtLimited.mjLIMITED_FALSE
-    motor.target = part.name if isinstance(part, Rope) else part.coordinate
-    if isinstance(part, Rope):
-        motor.gear = [_tidy(1 / part.drum_radius), 0, 0, 0, 0, 0]
-    motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
-    if scene.tendon(motor.target) is not None:
-        motor.trntype = mujoco.mjtTrn.mjTRN_TENDON
-
-
-def _sensors(scene: mujoco.MjSpec, rig: Rig) -> None:
-    """Encoders of frames, trolleys and winches, and the loads' positions, for plain MuJoCo."""
-    parts: tuple[Frame | Trolley | Rope, ...] = (*rig.frames, *rig.trolleys, *rig.ropes)
-    for part in parts:
-        target = part.name if isinstance(part, Rope) else part.coordinate
-        tendon = scene.tendon(target) is not None
-        for suffix, on_tendon, on_joint in (
-            ("", mujoco.mjtSensor.mjSENS_TENDONPOS, mujoco.mjtSensor.mjSENS_JOINTPOS),
-            (".rate", mujoco.mjtSensor.mjSENS_TENDONVEL, mujoco.mjtSensor.mjSENS_JOINTVEL),
-        ):
-            scene.add_sensor(
-                name=part.coordinate + suffix,
-                type=on_tendon if tendon else on_joint,
-                objtype=mujoco.mjtObj.mjOBJ_TENDON if tendon else mujoco.mjtObj.mjOBJ_JOINT,
-                objname=target,
-            )
-    for load in rig.loads:
-        scene.add_sensor(
-            name=f"{load.name}.position",
-            type=mujoco.mjtSensor.mjSENS_FRAMEPOS,
-            objtype=mujoco.mjtObj.mjOBJ_SITE,
-            objname=load.name,
-        )
+    turns = dict(zip(("alpha", "beta", "gamma"), "xyz", strict=True))
+    letter = joint.rpartition(".")[2]
+    return [float(turns.get(letter, letter) == axis) for axis in "xyz"]
 
 
 def _holding_inputs(model: mujoco.MjModel) -> np.ndarray[Any, np.dtype[np.float64]]:
@@ -256,8 +238,3 @@ def _holding_inputs(model: mujoco.MjModel) -> np.ndarray[Any, np.dtype[np.float6
         effect[:, index] = model.actuator_gear[index, 0] * column
     inputs = np.linalg.lstsq(effect, data.qfrc_bias, rcond=None)[0]
     return np.array([round(float(value), 9) + 0.0 for value in inputs])
-
-
-def _tidy(value: float) -> float:
-    """Without the last digit's noise, so that XML shows 10 where J/r^2 is 9.999999999999998."""
-    return float(f"{value:.15g}")

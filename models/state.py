@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from .chain import Link, joint_names, links
 from .errors import ModelError
 from .given import gather
-from .rig import Frame, Rig, Trolley, Vector
+from .rig import Frame, Load, Platform, Rig, Trolley, Vector
+from .turning import carry, turn
 
 Array = NDArray[np.float64]
 
@@ -52,8 +53,8 @@ def joint_state(
     Parameters:
         rig: the description.
         model: its MuJoCo model.
-        coordinates: positions [m, rad] of all frames, trolleys and loads by coordinate name
-            ("bridge.angle", "trolley.position", "load.x"), each of shape (N,) or a number;
+        coordinates: positions [m, rad] of all frames, trolleys, loads and platforms by coordinate
+            name ("bridge.angle", "trolley.position", "load.x"), each of shape (N,) or a number;
             those of ropes, of their spans, and of trolleys in the world ("trolley.x") follow
             and are left aside.
         rates: their rates; what is left out is at rest.
@@ -78,10 +79,12 @@ def joint_state(
             world = np.zeros((*motion[f"{part.name}.x"].shape, 3))
             for axis in rig.axes:
                 world[..., "xyz".index(axis)] = motion[f"{part.name}.{axis}"]
-            place[part.name] = _turn(world, -_angle(link.frame, motion, world))
+            place[part.name] = turn(world, -_angle(link.frame, motion, world))
             relative = place[part.name] - _base(link, motion, place)
-            for name in link.joints:
-                columns[name] = relative[..., "xyz".index(name[-1])]
+            for axis in rig.axes:
+                columns[f"{part.name}.{axis}"] = relative[..., "xyz".index(axis)]
+            if isinstance(part, Platform):
+                columns |= {name: motion[name] for name in part.angles}
     qpos, qvel = np.stack([columns[name] for name in joint_names(rig)], axis=-1)
     return State(qpos, qvel)
 
@@ -89,7 +92,7 @@ def joint_state(
 def points(
     rig: Rig, qpos: ArrayLike, qvel: ArrayLike, qacc: ArrayLike | None = None
 ) -> dict[str, Array]:
-    """Motion of every anchor, trolley and load in the world, each (orders, N, 3).
+    """Motion of every anchor, trolley, load and platform in the world, each (orders, N, 3).
 
     Orders are position [m], velocity [m/s] and, if `qacc` is given, acceleration [m/s2].
     `qpos`, `qvel`, `qacc` have the shape (N, nq).
@@ -99,10 +102,13 @@ def points(
     motion = {name: joints[..., column] for column, name in enumerate(joint_names(rig))}
     place: dict[str, Array] = {}
     world: dict[str, Array] = {}
+    corners = [anchor for anchor in rig.anchors if rig.platform(anchor.frame) is not None]
     for anchor in rig.anchors:
+        if anchor in corners:
+            continue
         frame = rig.frame(anchor.frame)
         own = _shift(frame, motion, joints) + _fixed(anchor.position, joints)
-        world[anchor.name] = _turn(own, _angle(frame, motion, own))
+        world[anchor.name] = turn(own, _angle(frame, motion, own))
     for link in links(rig):
         part = link.part
         if isinstance(part, Frame):
@@ -113,10 +119,15 @@ def points(
             own = _on_rail(rig, part, {**motion, part.coordinate: np.asarray(total)})
         else:
             own = np.array(np.broadcast_to(_base(link, motion, place), (*joints.shape[:-1], 3)))
-            for name in link.joints:
-                own[..., "xyz".index(name[-1])] += motion[name]
+            for axis in rig.axes:
+                own[..., "xyz".index(axis)] += motion[f"{part.name}.{axis}"]
         place[part.name] = own
-        world[part.name] = _turn(own, _angle(link.frame, motion, own))
+        world[part.name] = turn(own, _angle(link.frame, motion, own))
+        for corner in corners:
+            if isinstance(part, Platform) and corner.frame == part.name:
+                alpha, beta, gamma = (motion[name] for name in part.angles)
+                out = carry(corner.position, (alpha, beta, gamma))
+                world[corner.name] = world[part.name] + out
     return world
 
 
@@ -141,6 +152,17 @@ def spans(rig: Rig, motion: Mapping[str, Array]) -> dict[str, Array]:
     return found
 
 
+def rope_lengths(rig: Rig, motion: Mapping[str, Array]) -> dict[str, Array]:
+    """Whole length of each rope and its derivatives, each (orders, N) [m].
+
+    The last span counts once for each fall.  `motion` is what `points` returns.
+    """
+    return {
+        rope.name: lengths[..., :-1].sum(-1) + rope.falls * lengths[..., -1]
+        for rope, lengths in zip(rig.ropes, spans(rig, motion).values(), strict=True)
+    }
+
+
 def coordinates(rig: Rig, model: Any, state: HasState) -> tuple[dict[str, Array], dict[str, Array]]:
     """Values and rates of all the rig's coordinates, each (N,), by `rig.coordinate_names`.
 
@@ -162,11 +184,14 @@ def coordinates(rig: Rig, model: Any, state: HasState) -> tuple[dict[str, Array]
         if isinstance(link.part, Trolley):
             terms = link.sums or ((link.part.coordinate, 1.0),)
             found[link.part.coordinate] = np.asarray(sum(f * column[name] for name, f in terms))
-    for rope, lengths in spans(rig, motion).items():
-        found[f"{rope}.length"] = lengths.sum(-1)
-    for load in rig.loads:
+    for rope, length in rope_lengths(rig, motion).items():
+        found[f"{rope}.length"] = length
+    free: tuple[Load | Platform, ...] = (*rig.loads, *rig.platforms)
+    for part in free:
         for axis in rig.axes:
-            found[f"{load.name}.{axis}"] = motion[load.name][..., "xyz".index(axis)]
+            found[f"{part.name}.{axis}"] = motion[part.name][..., "xyz".index(axis)]
+    for platform in rig.platforms:
+        found |= {name: column[name] for name in platform.angles}
     values = {name: found[name][0].copy() for name in rig.coordinate_names}
     return values, {name: found[name][1].copy() for name in rig.coordinate_names}
 
@@ -190,12 +215,12 @@ def tensions(
         ctrl: inputs, (N, drives), in the order of `rig.drives`.
         friction: forces of friction, (N, ropes) or a number [N].
     """
-    lengths = spans(rig, points(rig, qpos, qvel, qacc))
+    lengths = rope_lengths(rig, points(rig, qpos, qvel, qacc))
     inputs = np.asarray(ctrl, dtype=float)
     columns = {drive.on: index for index, drive in enumerate(rig.drives)}
     found = []
     for rope in rig.ropes:
-        pull = rope.inertia_along * lengths[rope.name][2].sum(-1)
+        pull = rope.inertia_along * lengths[rope.name][2]
         if rope.name in columns:
             pull = pull - inputs[..., columns[rope.name]] / rope.drum_radius
         found.append(pull)
@@ -220,7 +245,7 @@ def _on_rail(rig: Rig, trolley: Trolley, motion: Mapping[str, Array]) -> Array:
 
 
 def _base(link: Link, motion: Mapping[str, Array], place: Mapping[str, Array]) -> Array:
-    """Motion of what a load counts from, in its frame's axes, (orders, N, 3)."""
+    """Motion of what a free mass counts from, in its frame's axes, (orders, N, 3)."""
     above = link.parent
     if above is not None and not isinstance(above.part, Frame):
         return place[above.name]
@@ -246,15 +271,3 @@ def _angle(frame: Frame | None, motion: Mapping[str, Array], like: Array) -> Arr
     if frame is None or frame.kind != "turning":
         return np.zeros(like.shape[:-1])
     return motion[frame.coordinate]
-
-
-def _turn(motion: Array, angle: Array) -> Array:
-    """A motion (orders, N, 3) seen from axes against which its own turn about z by `angle`."""
-    turned = motion.copy()
-    flat = motion[..., 0] + 1j * motion[..., 1]
-    terms = [flat[0], flat[1] + 1j * angle[1] * flat[0]]
-    if len(motion) > 2:
-        terms.append(flat[2] + 2j * angle[1] * flat[1] + (1j * angle[2] - angle[1] ** 2) * flat[0])
-    plane = np.exp(1j * angle[0]) * np.stack(terms)
-    turned[..., 0], turned[..., 1] = plane.real, plane.imag
-    return turned

@@ -1,5 +1,7 @@
 """Rigs that are not in the catalogue and random states, for what must work for any description."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -77,14 +79,22 @@ def navy_crane():
     )
 
 
+def tower_crane():
+    """A turning jib with a roped trolley, whose hoist ends in a block on four falls."""
+    hoist = replace(rope("hoist", "inner", "trolley", "load"), falls=4)
+    plain = carried("turning")
+    return replace(plain, name="tower_crane", ropes=(plain.ropes[0], hoist))
+
+
 @pytest.fixture(scope="session")
 def other_rigs() -> dict[str, Rig]:
-    """Cantilever, gantry and both Navy cranes by name."""
+    """Cantilever, gantry, both Navy cranes and a four-fall tower crane by name."""
     return {
         "cantilever": carried("turning"),
         "gantry": carried("sliding"),
         "planar navy": planar_navy_crane(),
         "navy": navy_crane(),
+        "four falls": tower_crane(),
     }
 
 

@@ -9,6 +9,7 @@ import pytest
 from flatrig import models
 from flatrig.feedforward import from_move, solve
 from flatrig.models import ModelError, mjcf, run, state
+from flatrig.models.chain import joint_names, links
 from flatrig.models.rig import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Sheave, Trolley
 
 X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
@@ -68,8 +69,27 @@ TANDEM = Rig(
 )
 
 
+FALLS = Rig(
+    name="falls",
+    rails=(Rail("beam", X),),
+    anchors=(Anchor("winch", (-1.0, 0.0, 0.0)),),
+    masses=(Trolley("trolley", 10.0, "beam"), Load("load", 30.0), Load("weight", 20.0)),
+    ropes=(
+        Rope("hoist", ("winch", "trolley", "load"), 0.1, 0.1, (Sheave("trolley", 0.02, 0.1),), 4),
+        Rope("tail", ("load", "weight"), 0.1, 0.05, falls=2),
+    ),
+    drives=(
+        Drive("trolley", "trolley", 1e3),
+        Drive("hoist", "hoist", 50),
+        Drive("tail", "tail", 50),
+    ),
+    outputs=("load.x", "load.z", "weight.z"),
+    home={"trolley": 2.0, "load": (2.0, 0.0, -5.0), "weight": (2.0, 0.0, -6.0)},
+)
+
+
 RIGS = {name: build() for name, build in models.CATALOGUE.items()} | {
-    rig.name: rig for rig in (GANTRY, NAVY, TANDEM)
+    rig.name: rig for rig in (GANTRY, NAVY, TANDEM, FALLS)
 }
 
 
@@ -84,13 +104,16 @@ def test_kinetic_energy_is_that_of_masses_winches_and_sheaves(rig, random_states
     qpos, qvel, _ = random_states(rig)
     motion, data = state.points(rig, qpos, qvel), mujoco.MjData(model)
     spans = state.spans(rig, motion)
-    _, rates = state.coordinates(rig, model, state.State(qpos, qvel))
+    values, rates = state.coordinates(rig, model, state.State(qpos, qvel))
     expected = sum(frame.inertia * rates[frame.coordinate] ** 2 for frame in rig.frames)
     expected = expected + sum(m.mass * (motion[m.name][1] ** 2).sum(-1) for m in rig.masses)
+    expected = expected + sum(spin_energy(body, rates, values) for body in rig.platforms)
     for rope in rig.ropes:
-        expected = expected + rope.inertia_along * spans[rope.name][1].sum(-1) ** 2
+        parallel = np.array([1.0] * (len(rope.path) - 2) + [rope.falls])
+        speeds = spans[rope.name][1] * parallel
+        expected = expected + rope.inertia_along * speeds.sum(-1) ** 2
         for sheave in rope.sheaves:
-            after = spans[rope.name][1][:, rope.after(sheave) :].sum(-1)
+            after = speeds[:, rope.after(sheave) :].sum(-1)
             expected = expected + sheave.inertia / sheave.radius**2 * after**2
     for k in range(len(qpos)):
         data.qpos[:], data.qvel[:] = qpos[k], qvel[k]
@@ -112,6 +135,46 @@ def test_a_sheave_turns_with_the_rope_beyond_it_even_at_the_winch():
     )  # fmt: skip
     scene = mjcf.spec(rig, visuals=False)
     assert [wrap.target.name for wrap in scene.tendon("hoist.winch").path] == ["winch", "load"]
+
+
+def spin_energy(platform, rates, values):
+    """Twice the energy of a platform's turning, from its rates in its own axes (Bryant angles)."""
+    (_, beta, gamma), (da, db, dc) = (
+        [of[name] for name in platform.angles] for of in (values, rates)
+    )
+    along_x = da * np.cos(beta) * np.cos(gamma) + db * np.sin(gamma)
+    along_y = -da * np.cos(beta) * np.sin(gamma) + db * np.cos(gamma)
+    along_z = da * np.sin(beta) + dc
+    return np.dot(platform.inertia, np.array([along_x, along_y, along_z]) ** 2)
+
+
+def test_the_last_span_counts_once_for_each_fall():
+    """Four falls: the winch takes in 4 m a metre of lift, and pulls a quarter of the weight."""
+    model = mjcf.compile(FALLS, visuals=False)
+    home = model.key("home")
+    values, _ = state.coordinates(FALLS, model, state.State(home.qpos, np.zeros(model.nv)))
+    assert values["hoist.length"] == pytest.approx(3.0 + 4 * 5.0, abs=1e-12)
+    assert values["tail.length"] == pytest.approx(2 * 1.0, abs=1e-12)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    np.testing.assert_allclose(data.ten_length[[0, 2]], [23.0, 2.0], rtol=0, atol=1e-12)
+    assert data.tendon("hoist.trolley").length[0] == pytest.approx(20.0, abs=1e-12)
+    tensions = state.tensions(FALLS, home.qpos, home.qvel, np.zeros(model.nv), home.ctrl)
+    np.testing.assert_allclose(tensions, [50 * 9.81 / 4, 20 * 9.81 / 2], rtol=1e-9)
+
+
+def test_a_platform_is_turned_about_x_then_y_then_z_of_its_own():
+    """Quarter turns whose result is plain: body x goes to y by alpha and gamma together."""
+    rig = RIGS["cable_manipulator"]
+    qpos = np.array([value for link in links(rig) for value in link.home])
+    names = list(joint_names(rig))
+    quarter = {"platform.alpha": np.pi / 2, "platform.gamma": np.pi / 2}
+    for name, angle in quarter.items():
+        qpos[names.index(name)] = angle
+    found = state.points(rig, qpos, np.zeros_like(qpos))
+    arm = found["corner_1"][0] - found["platform"][0]
+    # Rz takes the corner from x to y, Rx then from y to z
+    np.testing.assert_allclose(arm, [0.0, 0.0, 1.2 / np.sqrt(3)], rtol=0, atol=1e-12)
 
 
 def test_power_of_inputs_and_gravity(rig, random_states):
@@ -228,9 +291,6 @@ def test_coordinates_are_copies():
 
 
 def test_rigs_that_cannot_be_one_chain():
-    light = dataclasses.replace(NAVY, masses=(Load("load", 100.0), Load("pulley", 0.0)))
-    with pytest.raises(ModelError, match=r"load pulley: mass is 0 kg, .* small one"):
-        mjcf.compile(light)
     skew = dataclasses.replace(TANDEM, rails=(Rail("upper", X), Rail("lower", (0.6, 0.0, 0.8))))
     with pytest.raises(ModelError, match="rail upper is not parallel to rail lower"):
         mjcf.compile(skew)
@@ -249,3 +309,38 @@ def test_rigs_that_cannot_be_one_chain():
     )
     with pytest.raises(ModelError, match="tie trolley cart, whose rail is fixed, to frame boom"):
         mjcf.compile(fixed)
+    manipulator = RIGS["cable_manipulator"]
+    turning = dataclasses.replace(
+        manipulator,
+        frames=(Frame("gantry", "turning", 9.0),),
+        home={**manipulator.home, "gantry": 0.0},
+    )
+    with pytest.raises(ModelError, match="platform platform hangs from turning frame gantry"):
+        mjcf.compile(turning)
+    second = dataclasses.replace(manipulator.platforms[0], name="second")
+    double = dataclasses.replace(
+        manipulator,
+        anchors=(*manipulator.anchors, Anchor("eye", X, "second")),
+        masses=(*manipulator.masses, second),
+        ropes=(*manipulator.ropes, Rope("link", ("corner_1", "eye"), 0.1, 0.1)),
+        home={**manipulator.home, "second": (1.0, 1.0, -9.0)},
+    )
+    with pytest.raises(ModelError, match="ropes tie platforms platform and second together"):
+        mjcf.compile(double)
+
+
+@pytest.mark.parametrize("build", [models.navy_crane_2d, models.navy_crane_3d])
+def test_a_small_mass_without_weight_stands_in_for_none(build):
+    rig = build(pulley_mass=0.0)
+    with pytest.raises(ModelError, match=r"load pulley: mass is 0 kg, .* massless=1e-3"):
+        mjcf.compile(rig)
+    model = mjcf.compile(rig, massless=1e-3)
+    pulley, load = model.body("pulley").id, model.body("load").id
+    assert model.body_mass[pulley] == 1e-3
+    assert model.body_gravcomp[[pulley, load]].tolist() == [1.0, 0.0]
+    assert not model.dof_damping.any()
+    for value in (0, -1.0, np.nan, 10.1, "1", True):
+        with pytest.raises(ModelError, match=rf"massless is {value!r} kg, .* > 0 and at most 10,"):
+            mjcf.compile(rig, massless=value)
+    heavy = mjcf.compile(build(), massless=1e-3)
+    np.testing.assert_array_equal(heavy.body_mass, mjcf.compile(build()).body_mass)

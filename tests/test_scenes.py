@@ -8,13 +8,27 @@ import numpy as np
 import pytest
 
 from flatrig import models
-from flatrig.models import ModelError, OptionError, export, mjcf, render, run, state
+from flatrig.models import (
+    Anchor,
+    Drive,
+    ModelError,
+    OptionError,
+    Platform,
+    Rig,
+    Rope,
+    booms,
+    export,
+    mjcf,
+    render,
+    run,
+    state,
+)
 from flatrig.models.chain import links
 
 CATALOGUE = tuple(models.CATALOGUE)
 
 
-RIGS = [*models.CATALOGUE, "cantilever", "gantry", "planar navy", "navy"]
+RIGS = [*models.CATALOGUE, "cantilever", "gantry", "planar navy", "navy", "four falls"]
 
 
 @pytest.fixture(params=RIGS)
@@ -122,8 +136,10 @@ def test_cameras_see_the_whole_workspace(rig, camera):
     spots = [point[0] for point in state.points(rig, qpos, np.zeros_like(qpos)).values()]
     if rig.name in CATALOGUE:
         move = models.default_move(rig.name)
-        for place in (move.start, move.goal):
-            spots.append(np.array([place[0], 0.0 if len(place) == 2 else place[1], place[-1]]))
+        part = (*rig.platforms, *rig.loads)[-1].name
+        for end in (move.start, move.goal):
+            place = dict(zip(rig.outputs, end, strict=True))
+            spots.append(np.array([place.get(f"{part}.{axis}", 0.0) for axis in "xyz"]))
     for rail in rig.rails:
         if math.isfinite(rail.start) and rig.frame(rail.frame) is None:
             spots += [
@@ -134,6 +150,50 @@ def test_cameras_see_the_whole_workspace(rig, camera):
         circle = np.linspace(0, 2 * np.pi, 24)
         spots += [np.array([8 * np.cos(a), 8 * np.sin(a), z]) for a in circle for z in (0, -5)]
     assert corners_in_picture(model, camera, spots).all()
+
+
+def test_winches_in_an_inclined_line_stand_on_a_boom(other_rigs):
+    (turning,) = booms.find(models.navy_crane_3d())
+    assert (turning.frame, turning.anchors) == ("boom", ("A", "P", "S"))
+    np.testing.assert_allclose(turning.foot, 0.0, atol=1e-12)  # on the axis
+    np.testing.assert_allclose(turning.tip, [7.5 * math.sqrt(3), 0.0, 7.5])
+    (fixed,) = booms.find(models.navy_crane_2d(pulley_mass=0.0))
+    assert (fixed.frame, fixed.anchors) == ("world", ("A", "P"))
+    np.testing.assert_allclose(
+        fixed.foot, np.multiply(1.3, models.navy_crane_2d(pulley_mass=0.0).anchors[0].position)
+    )
+    for name in ("cantilever", "gantry"):
+        assert not booms.find(other_rigs[name])  # their winches stand on a beam
+    assert not booms.find(cable_robot())
+
+
+def cable_robot():
+    """A platform on three winches that stand alone, on masts of different heights."""
+    places = ((-3.0, -2.0, 0.0), (3.0, -2.0, 0.5), (0.0, 3.0, 1.0))
+    plate = Platform("plate", 5.0, (0.1, 0.1, 0.2))
+    ropes = tuple(Rope(f"rope{k}", (f"winch{k}", f"corner{k}"), 0.1, 0.1) for k in range(3))
+    return Rig(
+        name="cable_robot",
+        anchors=(
+            *(Anchor(f"winch{k}", place) for k, place in enumerate(places)),
+            *(Anchor(f"corner{k}", np.multiply(0.2, p), "plate") for k, p in enumerate(places)),
+        ),
+        masses=(plate,),
+        ropes=ropes,
+        drives=tuple(Drive(rope.name, rope.name, 10.0) for rope in ropes),
+        outputs=("plate.x", "plate.y", "plate.z"),
+        home={"plate": (0.0, 0.0, -4.0)},
+    )
+
+
+def test_winches_alone_stand_on_masts_and_a_platform_shows_its_corners():
+    model = mjcf.compile(cable_robot())
+    names = {model.geom(k).name for k in range(model.ngeom)}
+    assert {"winch0.mast", "winch1.mast", "winch2.mast"} <= names
+    assert {"plate.tube1.2", "plate.tube1.3", "plate.tube2.3", "corner0.eye"} <= names
+    floor = model.geom("floor").pos[2]
+    mast = model.geom("winch2.mast")
+    assert mast.pos[2] - mast.size[1] == pytest.approx(floor, abs=1e-3)
 
 
 @pytest.fixture

@@ -2,14 +2,22 @@
 
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ..feedforward import Reference, solve
+from ..feedforward import Motion, Reference, solve
 from ..models import Rig, mjcf
-from ..models.run import run
+from ..models.run import accelerations, run
+from ..models.state import points
 
 Array = NDArray[np.float64]
+
+STAND_IN = 1e-5
+"""Mass that stands in for that of a massless pulley, over that of all loads."""
+
+AT_ONCE = 1000
+"""States whose tensions are found at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,12 +28,33 @@ class OpenLoop:
     """[s], shape (K + 1,)."""
     qpos: Array
     """Joint positions of the model, shape (K + 1, nq)."""
+    qvel: Array
+    """Joint velocities, shape (K + 1, nv)."""
     distance: Array
-    """Of the outputs from their reference [m], shape (K + 1,)."""
+    """Of the load or platform that is farthest from where it should be [m], shape (K + 1,)."""
+    motion: Motion
+    """What `solve` says at the same instants."""
+    model: mujoco.MjModel
+    """The one that ran."""
+
+    def tensions(self) -> Array:
+        """Of the ropes in MuJoCo under the exact inputs of each instant, (K + 1, ropes) [N]."""
+        inputs = self.motion.inputs
+        found = []
+        for begin in range(0, len(self.times), AT_ONCE):
+            part = slice(begin, begin + AT_ONCE)
+            state = (self.qpos[part], self.qvel[part])
+            acceleration = accelerations(self.model, *state, inputs[part])
+            found.append(mjcf.tensions(self.motion.rig, *state, acceleration, inputs[part]))
+        return np.concatenate(found)
 
 
 def open_loop(
-    rig: Rig, reference: Reference, timestep: float = 1e-3, hold: float = 0.0
+    rig: Rig,
+    reference: Reference,
+    timestep: float = 1e-3,
+    hold: float = 0.0,
+    massless: float | None = None,
 ) -> OpenLoop:
     """Run the move, the inputs of each step taken at its middle and held.
 
@@ -34,19 +63,41 @@ def open_loop(
         reference: path of its outputs.
         timestep: of the simulation and of the held inputs [s].
         hold: how long to go on after arrival [s].
+        massless: mass that stands in for that of a massless pulley [kg]; `STAND_IN` if left out.
 
     Raises:
         FlatrigError: the rig cannot follow the path, or MuJoCo cannot hold the rig.
     """
     steps = round((reference.duration + hold) / timestep)
-    times = np.arange(steps + 1) * timestep
-    start = solve(rig, reference, 0.0)
-    columns = dict(zip(start.coordinate_names, start.positions[0], strict=True))
-    model = mjcf.compile(rig, timestep=timestep, visuals=False)
-    first = mjcf.joint_state(rig, model, columns)
+    times = np.arange(steps + 1, dtype=np.float64) * timestep
+    motion = solve(rig, reference, times)
+    start = dict(zip(motion.coordinate_names, motion.positions[0], strict=True))
+    model = mjcf.compile(rig, timestep=timestep, visuals=False, massless=massless or stand_in(rig))
+    first = mjcf.joint_state(rig, model, start)
     inputs = solve(rig, reference, times[:-1] + 0.5 * timestep).inputs
     state = run(model, first.qpos, first.qvel, inputs)
-    values, _ = mjcf.coordinates(rig, model, state)
-    outputs = np.column_stack([values[name] for name in rig.outputs])
-    distance = np.asarray(np.linalg.norm(outputs - reference(times), axis=1))
-    return OpenLoop(np.asarray(times, dtype=np.float64), state.qpos, distance)
+    distance = _distance(motion, state.qpos)
+    return OpenLoop(times, state.qpos, state.qvel, distance, motion, model)
+
+
+def stand_in(rig: Rig) -> float | None:
+    """A mass for MuJoCo in place of a massless pulley's [kg]; None if the rig has none."""
+    if all(load.mass > 0 for load in rig.loads):
+        return None
+    return STAND_IN * rig.weight / rig.gravity
+
+
+def _distance(motion: Motion, qpos: Array) -> Array:
+    """How far the worst load or platform is from its place, free pulleys left aside, (N,) [m]."""
+    rig = motion.rig
+    places = points(rig, qpos, np.zeros_like(qpos))
+    passed = {point for rope in rig.ropes for point in rope.path[1:-1]}
+    hanging = [part.name for part in rig.loads if part.name not in passed]
+    hanging += [platform.name for platform in rig.platforms]
+    found = []
+    for name in hanging:
+        wanted = [motion.positions[:, motion.column(f"{name}.{axis}")] for axis in rig.axes]
+        axes = ["xyz".index(axis) for axis in rig.axes]
+        offset = places[name][0][:, axes] - np.stack(wanted, axis=-1)
+        found.append(np.linalg.norm(offset, axis=-1))
+    return np.asarray(np.max(found, axis=0))

@@ -1,0 +1,71 @@
+"""Friction of a winch: Coulomb, static, viscous, and the dip between them that Stribeck found.
+
+    friction = Friction(coulomb=0.1, viscous=0.5, static=0.15, stribeck_velocity=0.02)
+    friction.force(velocity)        # along the rope, against it: what a compensation adds
+    friction.dry(velocity)          # how much of it does not grow with speed
+
+Starting takes more force than going on; as the rope begins to run, friction first falls (K calls
+it negative viscous), then rises with speed (K remark 31):
+
+    F(v) = (coulomb + (static - coulomb) exp(-(v / stribeck_velocity)^2)) sign(v) + viscous v
+
+Limits: a force is needed for v = 0 too, so `force` replaces sign(v) by tanh(v / width), which is
+within 4 % of it beyond two widths and zero at rest.  It cannot hold a rope still; where sticking
+matters, as in a plant, take `dry` for the largest friction that the rest can bear.
+"""
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import OptionError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Friction:
+    """A law of friction along a rope, or of any other drive in its own units.
+
+    Raises:
+        OptionError: a value is not a finite number >= 0 (the velocities: > 0), or static friction
+            is less than Coulomb friction.
+    """
+
+    coulomb: float
+    """While slipping [N]."""
+    viscous: float = 0.0
+    """[N s/m]"""
+    static: float | None = None
+    """To be overcome from rest [N]; as `coulomb` if left out."""
+    stribeck_velocity: float = 0.01
+    """Speed at which the surplus of static friction has fallen to a third [m/s]."""
+    width: float = 1e-3
+    """Speed within which the sign is smoothed [m/s]."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name == "static" and value is None:
+                continue
+            positive = field.name in ("stribeck_velocity", "width")
+            if not math.isfinite(value) or value < 0 or (positive and value == 0):
+                sign = "> 0" if positive else ">= 0"
+                raise OptionError(f"friction: {field.name} is {value!r}, it must be {sign}")
+        if self.static is not None and self.static < self.coulomb:
+            raise OptionError(
+                f"friction: static is {self.static:g} N, it must be >= coulomb, {self.coulomb:g} N"
+            )
+
+    def dry(self, velocity: ArrayLike) -> Array:
+        """Magnitude without the viscous part [N], of the shape of `velocity` [m/s]."""
+        speed = np.asarray(velocity, dtype=float)
+        surplus = 0.0 if self.static is None else self.static - self.coulomb
+        return np.asarray(self.coulomb + surplus * np.exp(-((speed / self.stribeck_velocity) ** 2)))
+
+    def force(self, velocity: ArrayLike) -> Array:
+        """Force against the motion [N], of the sign and the shape of `velocity` [m/s]."""
+        speed = np.asarray(velocity, dtype=float)
+        return np.asarray(self.dry(speed) * np.tanh(speed / self.width) + self.viscous * speed)
