@@ -9,29 +9,63 @@ Example::
 """
 
 from .assembly import equations_of
+from .bisector import Beside, Bisected, beside, bisected, massless
+from .curves import Curve, CurvedPath, Polynomial, Waypoints, along, over
+from .energy import Regulator
 from .equations import Equations, redundant
+from .feasibility import Feasibility, Sizing, check, driven_unit
 from .inverse import solve
 from .motion import Motion, Slack
+from .obstacles import Box, Clearance, Sphere, clearance
+from .profiles import Profile, RestToRest, ThreePhase
 from .reference import Reference, from_move, hold, rest_to_rest, three_phase
 from .sampled import from_csv, sampled
 from .structure import Analysis, analyse
+from .timing import Scaled, Shortest, scaled, shortest_duration
 from .verification import residuals
 
 __all__ = [
     "Analysis",
+    "Beside",
+    "Bisected",
+    "Box",
+    "Clearance",
+    "Curve",
+    "CurvedPath",
     "Equations",
+    "Feasibility",
     "Motion",
+    "Polynomial",
+    "Profile",
     "Reference",
+    "Regulator",
+    "RestToRest",
+    "Scaled",
+    "Shortest",
+    "Sizing",
     "Slack",
+    "Sphere",
+    "ThreePhase",
+    "Waypoints",
+    "along",
     "analyse",
+    "beside",
+    "bisected",
+    "check",
+    "clearance",
+    "driven_unit",
     "equations_of",
     "from_csv",
     "from_move",
     "hold",
+    "massless",
+    "over",
     "redundant",
     "residuals",
     "rest_to_rest",
     "sampled",
+    "scaled",
+    "shortest_duration",
     "solve",
     "three_phase",
 ]

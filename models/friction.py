@@ -51,7 +51,8 @@ class Friction:
             if field.name == "static" and value is None:
                 continue
             positive = field.name in ("stribeck_velocity", "width")
-            if not math.isfinite(value) or value < 0 or (positive and value == 0):
+            number = isinstance(value, int | float) and math.isfinite(value)
+            if not number or value < 0 or (positive and value == 0):
                 sign = "> 0" if positive else ">= 0"
                 raise OptionError(f"friction: {field.name} is {value!r}, it must be {sign}")
         if self.static is not None and self.static < self.coulomb:

@@ -30,8 +30,10 @@ COMMANDS: dict[type, str] = {
     options.Compare: "compare:main",
     options.Train: "train:main",
     options.Bench: "bench:main",
+    options.Accuracy: "accuracy:main",
     options.Render: "film:main",
     options.Scenes: "film:write_scenes",
+    options.Reproduce: "reproduce:main",
 }
 
 _Command = (
@@ -41,8 +43,10 @@ _Command = (
     | Annotated[options.Compare, subcommand("compare")]
     | Annotated[options.Train, subcommand("train")]
     | Annotated[options.Bench, subcommand("bench")]
+    | Annotated[options.Accuracy, subcommand("accuracy")]
     | Annotated[options.Render, subcommand("render")]
     | Annotated[options.Scenes, subcommand("scenes")]
+    | Annotated[options.Reproduce, subcommand("reproduce")]
 )
 
 

@@ -2,16 +2,28 @@
 
 import numpy as np
 
-from ..feedforward import Motion, Reference, analyse, from_move, solve
+from ..feedforward import (
+    Feasibility,
+    Motion,
+    Reference,
+    analyse,
+    check,
+    driven_unit,
+    from_move,
+    shortest_duration,
+    solve,
+)
 from ..models import CATALOGUE, Rig, default_move, make
-from ..models.errors import OptionError
+from ..models.errors import OptionError, PathError
 from . import options
 from .console import console, table, warning
 
 MOST_SAMPLES = 10_000_000
 """More is taken for a slip of the finger."""
 FEASIBILITY_RATE = 500.0
-"""Samples per second at which `analyse` looks at the move [Hz]."""
+"""Samples per second at which `analyse` looks at a move [Hz], if it is not too long."""
+MOST_LOOKS = 20_000
+"""Samples at most that it looks at."""
 
 
 def show_catalogue(_: options.List) -> None:
@@ -54,8 +66,46 @@ def show_analysis(command: options.Analyse) -> None:
                 )  # fmt: skip
         out.print(offsets)
     reference = from_move(move)
-    motion = solve(rig, reference, sample_times(reference, FEASIBILITY_RATE))
-    _show_motion(motion, reference)
+    report = check(rig, reference, rate=min(FEASIBILITY_RATE, MOST_LOOKS / reference.duration))
+    if report.motion is not None:
+        _show_motion(report.motion, reference)
+        _show_sizing(report)
+    for problem in report.problems:
+        out.print(f"problem: {problem}", soft_wrap=True)
+    _show_verdict(report.feasible)
+    if command.shortest:
+        out.print(_shortest(rig, reference, command.margin), soft_wrap=True)
+
+
+def _shortest(rig: Rig, reference: Reference, margin: float) -> str:
+    """What can be said about the shortest duration of a path."""
+    try:
+        best = shortest_duration(rig, reference, margin=margin)
+    except PathError as error:
+        return f"No duration is enough: {error}"
+    return (
+        f"The shortest duration for this path is {best.duration:.4g} s; in less, "
+        f"{best.limited_by} is out of bounds at {best.when:.4g} s."
+    )
+
+
+def _show_sizing(report: Feasibility) -> None:
+    """What the move asks of each drive (K 3.3)."""
+    names = ("largest", "at [s]", "rms", "limit", "spare", "speed", "[rpm]", "power", "braking [W]")
+    shown = table("What the drives need", "", *names)
+    for part in report.sizing:
+        turns = part.rpm is not None
+        numbers = (part.largest, part.when, part.rms, part.limit)
+        shown.add_row(
+            f"{part.drive} [{part.unit}]",
+            *(f"{number:.4g}" for number in numbers),
+            f"{part.spare:.0%}",
+            f"{part.speed:.4g} {'rad/s' if turns else 'm/s'}",
+            f"{part.rpm:.4g}" if turns else "",
+            f"{part.power:.4g}",
+            f"{part.braking:.4g}",
+        )
+    console().print(shown)
 
 
 def write_solution(command: options.Solve) -> None:
@@ -65,7 +115,10 @@ def write_solution(command: options.Solve) -> None:
     motion = solve(rig, reference, sample_times(reference, command.rate))
     if command.output:
         motion.to_csv(command.output)
-    _show_motion(motion, reference)
+    feasible = _show_motion(motion, reference)
+    for slack in motion.slack:
+        console().print(f"slack: {slack}", soft_wrap=True)
+    _show_verdict(feasible)
     if command.output:
         console().print(f"wrote {command.output}: {len(motion.times)} samples", soft_wrap=True)
 
@@ -88,7 +141,8 @@ def sample_times(reference: Reference, rate: float) -> np.ndarray:
     return times
 
 
-def _show_motion(motion: Motion, reference: Reference) -> None:
+def _show_motion(motion: Motion, reference: Reference) -> bool:
+    """Print the ranges of a motion's numbers; returns whether ropes and drives can do it."""
     rig = motion.rig
     ends = " to ".join(_point(point) for point in (reference.start, reference.goal))
     title = f"{rig.name}: {ends} m in {reference.duration:g} s, {len(motion.times)} samples"
@@ -110,11 +164,14 @@ def _show_motion(motion: Motion, reference: Reference) -> None:
         values = motion.positions[:, motion.column(trolley.coordinate)]
         bounds = f"{rail.start:g} to {rail.end:g}"
         shown.add_row(f"{trolley.name} on {rail.name} [m]", *_range(values), bounds, "")
-    out = console()
-    out.print(shown)
-    for slack in motion.slack:
-        out.print(f"slack: {slack}", soft_wrap=True)
-    out.print("The move is feasible." if feasible else warning("The move is not feasible."))
+    console().print(shown)
+    return feasible
+
+
+def _show_verdict(feasible: bool) -> None:
+    console().print(
+        "The move is feasible." if feasible else warning("The move is not feasible."),
+    )
 
 
 def _range(values: np.ndarray) -> tuple[str, ...]:
@@ -124,14 +181,7 @@ def _range(values: np.ndarray) -> tuple[str, ...]:
 
 def _inputs(rig: Rig) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Names and units of the inputs."""
-    return rig.input_names, tuple(input_unit(rig, i) for i in range(len(rig.drives)))
-
-
-def input_unit(rig: Rig, index: int) -> str:
-    """Unit of an input: a force on what slides, a torque on what turns."""
-    part = rig.driven(rig.drives[index])
-    turns = part in rig.ropes or getattr(part, "kind", "") == "turning"
-    return "N m" if turns else "N"
+    return rig.input_names, tuple(driven_unit(rig, drive) for drive in rig.drives)
 
 
 def _point(point: object) -> str:

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 
 from tyro.conf import Positional, arg
 
-from ..models import Move, Rig, default_move, load, make
+from ..models import Move, Rig, default_move, load, load_move, make, printed_move
 from ..models.errors import OptionError, did_you_mean
 
 MINUTES = 10.0
@@ -29,6 +29,8 @@ class RigOptions:
     """Name in the catalogue ("overhead" is short for overhead_crane), or a TOML file."""
     set: tuple[str, ...] = ()
     """Numbers of the rig to change: load_mass=80 as in the catalogue, or part.field=value."""
+    move: str = ""
+    """TOML file with another [move], or "printed" for the one of the source that cannot be made."""
     start: tuple[float, ...] = ()
     """Start of the move, one number for each output of the rig [m]."""
     goal: tuple[float, ...] = ()
@@ -49,6 +51,8 @@ class RigOptions:
             FlatrigError: something names what does not exist, or has a value it cannot have.
         """
         rig, move = _look_up(self.rig, _assignments(self.set))
+        if self.move:
+            move = printed_move(rig) if self.move == "printed" else load_move(self.move)
         names = ("start", "goal", "duration", "profile", "order", "blend")
         changes = {name: getattr(self, name) for name in names}
         changes = {name: value for name, value in changes.items() if value not in (None, ())}
@@ -74,6 +78,10 @@ class Analyse(RigOptions):
 
     equations: bool = False
     """Also list every equation and unknown with its offset."""
+    shortest: bool = False
+    """Also find the shortest duration in which the same path can be covered."""
+    margin: float = 0.0
+    """Lowest tension of any rope to allow in that duration [N]."""
 
 
 @dataclass(frozen=True)
@@ -140,6 +148,11 @@ class Bench:
 
 
 @dataclass(frozen=True)
+class Accuracy:
+    """Say how far exact feedforward lands from its path in MuJoCo, for every crane."""
+
+
+@dataclass(frozen=True)
 class Render(RigOptions):
     """Film the move, driven by exact feedforward, without a display."""
 
@@ -161,6 +174,18 @@ class Scenes:
 
     output: Output = ""
     """Folder to write to; the package's own models/ if left out."""
+
+
+@dataclass(frozen=True)
+class Reproduce:
+    """Compute figures and claims of the sources anew; without a name, list them."""
+
+    name: Positional[str] = ""
+    """Name of the figure ("K3.21"), or "all"."""
+    list: bool = False
+    """List what there is instead."""
+    output: Output = ""
+    """Folder for figures and tables; results/reproduce if left out."""
 
 
 def check_number(
@@ -191,7 +216,8 @@ def _look_up(name: str, changes: Mapping[str, float]) -> tuple[Rig, Move | None]
             parts = [part.name for part in _parts(rig)]
             raise OptionError(f"--set {key}: in a file's rig write part.field{_known(parts)}")
     else:
-        rig, move = make(name, **of_rig), default_move(name)
+        rig = make(name, **of_rig)
+        move = default_move(rig)
     for key, value in of_parts.items():
         rig = _with(rig, key, value)
     return rig, move
