@@ -8,18 +8,20 @@ down; only the environment clips.  All work on single and vector environments th
 code: `PD(env)` returns a `gym.Wrapper` or a `gym.vector.VectorWrapper` as `env` needs.
 
 `PD` and `Feedforward` stand in any order, each once; `Residual` stands on top of them, because it
-clips and scales whatever comes from above.
+clips and scales whatever comes from above.  `flatrig.envs.compensation` has one more.
 
 The inputs that hold the rig at rest (a winch carries its load) are needed once.  `PD` adds them
 unless a controller below does; `Feedforward`, which contains them, leaves out what is added below.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
+from gymnasium.envs.registration import EnvSpec, WrapperSpec
 from gymnasium.vector import VectorEnv, VectorWrapper
 from numpy.typing import ArrayLike, NDArray
 
@@ -113,10 +115,22 @@ class ResidualLaw(Law):
 class Controller(gym.Wrapper[Any, Any, Any, Any]):
     """A law in front of a single environment."""
 
-    def __init__(self, env: gym.Env[Any, Any], law: Law) -> None:
+    def __init__(
+        self, env: gym.Env[Any, Any], law: Law, options: Mapping[str, Any] | None = None
+    ) -> None:
         super().__init__(env)
-        self.law = law
+        self.law, self._options = law, dict(options or {})
         self._shape = task_of(env).limits.shape
+
+    @property
+    def spec(self) -> EnvSpec | None:  # type: ignore[override]
+        """What `gym.make` makes an environment with the same controllers of."""
+        if self.env.spec is None:
+            return None
+        name, module = self.law.name, type(self.law).__module__
+        mine = WrapperSpec(name, f"{module}:{name}", self._options)
+        below = self.env.spec
+        return replace(below, additional_wrappers=(*below.additional_wrappers, mine))
 
     def step(self, action: ArrayLike) -> Any:
         """Hand down what the law makes of the action."""
@@ -164,16 +178,15 @@ def PD(
         a `PD` or a `Residual` stands below.
     """
     task = task_of(env)
-    _refuse_below(env, "PD")
+    refuse_below(env, "PD")
     if track not in ("moving", "set point"):
         raise OptionError(f'track is {track!r}, it must be "moving" or "set point"')
-    usual = gains_of(task, track)
-    gains = Gains(
-        usual.stiffness if stiffness is None else _gain(task, "stiffness", stiffness),
-        usual.damping if damping is None else _gain(task, "damping", damping),
-    )
+    asked = {"stiffness": stiffness, "damping": damping}
+    given = {name: _gain(task, name, value) for name, value in asked.items() if value is not None}
+    gains = gains_of(task, track)._replace(**given)
     held = any(law.holding() is not None for law in _laws(env))
-    return _wrap(env, PDLaw(task, gains, track == "moving", not held))
+    law = PDLaw(task, gains, track == "moving", not held)
+    return wrap(env, law, track=track, **{name: value.tolist() for name, value in given.items()})
 
 
 def Feedforward(env: AnyEnv) -> Any:
@@ -185,9 +198,9 @@ def Feedforward(env: AnyEnv) -> Any:
         `env` is no crane, or a `Feedforward` or a `Residual` stands below.
     """
     task = task_of(env)
-    _refuse_below(env, "Feedforward")
+    refuse_below(env, "Feedforward")
     holders = [law for law in _laws(env) if law.holding() is not None]
-    return _wrap(env, FeedforwardLaw(task, holders[0] if holders else None))
+    return wrap(env, FeedforwardLaw(task, holders[0] if holders else None))
 
 
 def Residual(env: AnyEnv, fraction: float = 0.2) -> Any:
@@ -201,8 +214,8 @@ def Residual(env: AnyEnv, fraction: float = 0.2) -> Any:
         The fraction is not in (0, 1], `env` is no crane, or a `Residual` stands below.
     """
     task_of(env)
-    _refuse_below(env, "Residual")
-    return _wrap(env, ResidualLaw(number("fraction", fraction, above=0, most=1)))
+    refuse_below(env, "Residual")
+    return wrap(env, ResidualLaw(number("fraction", fraction, above=0, most=1)), fraction=fraction)
 
 
 def task_of(env: AnyEnv) -> CraneTask:
@@ -219,10 +232,11 @@ def task_of(env: AnyEnv) -> CraneTask:
     return task
 
 
-def _wrap(env: AnyEnv, law: Law) -> Controller | VectorController:
+def wrap(env: AnyEnv, law: Law, **options: Any) -> Controller | VectorController:
+    """The law in front of an environment, single or vector; `options` go into its `spec`."""
     if isinstance(env, VectorEnv):
         return VectorController(env, law)
-    return Controller(env, law)
+    return Controller(env, law, options)
 
 
 def _laws(env: AnyEnv) -> Iterator[Law]:
@@ -234,7 +248,7 @@ def _laws(env: AnyEnv) -> Iterator[Law]:
         layer = layer.env
 
 
-def _refuse_below(env: AnyEnv, name: str) -> None:
+def refuse_below(env: AnyEnv, name: str) -> None:
     """Nothing is added twice, and nothing above a residual, which would clip and scale it."""
     for law in _laws(env):
         if law.name == name:

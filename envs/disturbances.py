@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..models.errors import OptionError, did_you_mean
 from ..models.rig import Rig
 from .options import number as checked
+from .payloads import payloads
 
 Array = NDArray[np.float64]
 Range = tuple[float, float]
@@ -62,6 +63,18 @@ class Scenario:
     """Step of what encoders read [m] or [rad]; rates then come from counting over one period."""
     delay: int = 0
     """Whole control periods between command and input."""
+    frame_friction: float = 0.0
+    """Coulomb friction of every frame: [N] of a sliding one, [N m] of a turning one."""
+    winch_viscous: float = 0.0
+    """Viscous friction of every winch [N of rope force per m/s]."""
+    trolley_viscous: float = 0.0
+    """Viscous friction of every trolley [N s/m]."""
+    frame_viscous: float = 0.0
+    """Viscous friction of every frame [N s/m] or [N m s]."""
+    static_friction: float = 1.0
+    """Friction from rest, of all that rubs, over Coulomb friction."""
+    stribeck_velocity: float = 0.01
+    """Speed at which what static friction has more has fallen to a third [m/s, rad/s]."""
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -71,16 +84,21 @@ class Scenario:
 
     @property
     def friction(self) -> bool:
-        """Whether anything rubs."""
-        return self.winch_friction > 0 or self.trolley_friction > 0
+        """Whether anything rubs that can stick."""
+        return max(self.winch_friction, self.trolley_friction, self.frame_friction) > 0
+
+    @property
+    def viscous(self) -> bool:
+        """Whether anything rubs in proportion to its speed."""
+        return max(self.winch_viscous, self.trolley_viscous, self.frame_viscous) > 0
 
 
 @dataclass(frozen=True)
 class Disturbances:
     """Ranges (lowest, highest) from which scenarios are drawn uniformly; units as in `Scenario`.
 
-    Directions and the gusts' phase are drawn from the whole circle.  The resolution of encoders is
-    one number, the same in all scenarios.
+    Directions and the gusts' phase are drawn from the whole circle.  The resolution of encoders and
+    the speed of Stribeck are one number each, the same in all scenarios.
 
     Raises:
         OptionError: a range is upside down or holds a value that no scenario can have, or gusts
@@ -96,11 +114,17 @@ class Disturbances:
     swing: Range = NONE
     encoder_resolution: float = 0.0
     delay: tuple[int, int] = (0, 0)
+    frame_friction: Range = NONE
+    winch_viscous: Range = NONE
+    trolley_viscous: Range = NONE
+    frame_viscous: Range = NONE
+    static_friction: Range = (1.0, 1.0)
+    stribeck_velocity: float = 0.01
 
     def __post_init__(self) -> None:
         for item in fields(self):
             value = getattr(self, item.name)
-            if item.name == "encoder_resolution":
+            if item.name in _SINGLE:
                 _check("disturbances", item.name, value)
                 continue
             if not isinstance(value, tuple | list) or len(value) != 2:
@@ -120,10 +144,10 @@ class Disturbances:
     def standard(cls, rig: Rig) -> "Disturbances":
         """Load mass off by up to 30 %, friction, wind with gusts, and up to two periods of delay.
 
-        Forces follow from the weight of the rig's loads: friction up to 3 % of it, wind and
+        Forces follow from the weight of what the rig carries: friction up to 3 % of it, wind and
         gusts up to 2 % each.
         """
-        weight = rig.gravity * sum(load.mass for load in rig.loads)
+        weight = rig.gravity * sum(part.mass for part in payloads(rig))
         return cls(
             load_mass=(0.7, 1.3),
             winch_friction=(0.0, 0.03 * weight),
@@ -136,8 +160,8 @@ class Disturbances:
 
     @property
     def friction(self) -> bool:
-        """Whether a scenario can have friction."""
-        return self.winch_friction[1] > 0 or self.trolley_friction[1] > 0
+        """Whether a scenario can have friction that sticks."""
+        return max(self.winch_friction[1], self.trolley_friction[1], self.frame_friction[1]) > 0
 
     def check(self, scenario: object) -> None:
         """Refuse what an environment made for these cannot simulate; None stands for any.
@@ -154,12 +178,21 @@ class Disturbances:
                 "the scenario has friction, but the environment was made without; make it with "
                 'disturbances="standard" or others that allow friction'
             )
+        if scenario.frame_friction > 0 and not self.frame_friction[1] > 0:
+            raise OptionError(
+                "frames have friction in the scenario, but the environment was made without; make "
+                'it with a range in disturbances, such as {"frame_friction": (0, 50)}'
+            )
 
     def scenario(self, shares: ArrayLike) -> Scenario:
-        """The scenario at a place of the unit cube, shape (DIMENSIONS,)."""
-        share = dict(zip(_DRAWN, np.asarray(shares, dtype=float).tolist(), strict=True))
-        values: dict[str, Any] = {"encoder_resolution": self.encoder_resolution}
-        for name, place in share.items():
+        """The scenario at a place of the unit cube, shape (DIMENSIONS,) or (DIMENSIONS + more,).
+
+        Without the shares of `MORE` these are at the low ends of their ranges.
+        """
+        places = np.asarray(shares, dtype=float).tolist()
+        places += [0.0] * (len(_DRAWN) + len(MORE) - len(places))
+        values: dict[str, Any] = {name: getattr(self, name) for name in _SINGLE}
+        for name, place in zip((*_DRAWN, *MORE), places, strict=True):
             if name in _CIRCULAR:
                 present = any(any(getattr(self, owner)) for owner in _CIRCULAR[name])
                 values[name] = 2.0 * math.pi * place if present else 0.0
@@ -173,8 +206,19 @@ class Disturbances:
 
     def draw(self, generator: np.random.Generator) -> Scenario:
         """A scenario of its own for one episode."""
-        return self.scenario(generator.random(DIMENSIONS))
+        return self.scenario(generator.random(DIMENSIONS + (len(MORE) if self.more else 0)))
 
+    @property
+    def more(self) -> bool:
+        """Whether some of `MORE` is to be drawn."""
+        return any(low < high for low, high in (getattr(self, name) for name in MORE))
+
+
+_SINGLE = ("encoder_resolution", "stribeck_velocity")
+"""One number for all scenarios."""
+
+MORE = ("frame_friction", "winch_viscous", "trolley_viscous", "frame_viscous", "static_friction")
+"""Drawn after the others, and only where one of them has a range: draws without stay the same."""
 
 _CIRCULAR = {
     "wind_direction": ("wind", "gust"),
@@ -183,10 +227,10 @@ _CIRCULAR = {
 }
 """Directions and phases with the disturbances that they belong to."""
 
-_DRAWN = tuple(item.name for item in fields(Scenario) if item.name != "encoder_resolution")
+_DRAWN = tuple(item.name for item in fields(Scenario) if item.name not in (*_SINGLE, *MORE))
 
 DIMENSIONS = len(_DRAWN)
-"""Number of independent shares that make a scenario."""
+"""Number of independent shares that make a scenario, `MORE` left aside."""
 
 
 def design(disturbances: Disturbances, number: int, seed: int) -> list[Scenario]:
@@ -200,6 +244,9 @@ def design(disturbances: Disturbances, number: int, seed: int) -> list[Scenario]
     number = int(checked("number of scenarios", number, least=1, whole=True))
     seed = int(checked("seed", seed, least=0, whole=True))
     cube = qmc.LatinHypercube(DIMENSIONS, rng=np.random.default_rng(seed)).random(number)
+    if disturbances.more:
+        generator = np.random.default_rng((seed, len(MORE)))
+        cube = np.hstack((cube, qmc.LatinHypercube(len(MORE), rng=generator).random(number)))
     return [disturbances.scenario(place) for place in cube]
 
 
@@ -207,6 +254,12 @@ _LIMITS: dict[str, dict[str, Any]] = {
     "load_mass": {"above": 0},
     "winch_friction": {"least": 0},
     "trolley_friction": {"least": 0},
+    "frame_friction": {"least": 0},
+    "winch_viscous": {"least": 0},
+    "trolley_viscous": {"least": 0},
+    "frame_viscous": {"least": 0},
+    "static_friction": {"least": 1},
+    "stribeck_velocity": {"above": 0},
     "encoder_resolution": {"least": 0},
     "delay": {"least": 0, "most": LONGEST_DELAY, "whole": True},
 }

@@ -18,6 +18,8 @@ With sensors="full" then, for every output and rope:
     NAME.error, NAME.rate_error         of the output                         as above
     NAME.tension                                                              over the loads' weight
 
+An angle that is an output counts times its lever, as in `flatrig.envs.outputs.levers`.
+
 Values beyond +-`LIMIT` are cut off.
 """
 
@@ -26,6 +28,7 @@ from numpy.typing import NDArray
 
 from ..models.rig import Frame, Rig
 from .geometry import Scales
+from .outputs import levers
 from .plan import AHEAD
 from .plant import Plant
 from .signals import Encoders, Rows
@@ -105,6 +108,7 @@ def _entries(rig: Rig, scales: Scales, full: bool) -> tuple[tuple[str, ...], lis
         names += [f"{output}.error" for output in rig.outputs]
         names += [f"{output}.rate_error" for output in rig.outputs]
         names += [f"{rope.name}.tension" for rope in rig.ropes]
-        units += [near] * len(rig.outputs) + [near / scales.time] * len(rig.outputs)
+        errors = [near / lever for lever in levers(rig, scales).tolist()]
+        units += errors + [error / scales.time for error in errors]
         units += [scales.weight] * len(rig.ropes)
     return tuple(names), [1.0 / unit for unit in units]

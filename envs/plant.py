@@ -14,11 +14,15 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from ..models import mjcf
-from ..models.rig import Rig
+from ..models.rig import Load, Platform, Rig
 from ..models.state import State, coordinates, joint_state, points
 from .disturbances import Scenario
-from .geometry import evenly, geometry_of, hangers, output_columns
-from .ropes import Friction, RopeForces
+from .friction import DryFriction, ViscousFriction
+from .geometry import angle_joints, geometry_of, hangers, turned
+from .outputs import Outputs
+from .payloads import payloads
+from .ropes import RopeForces
+from .wind import Wind, heading
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.int32]
@@ -65,13 +69,15 @@ class Plant:
         timestep: float,
         substeps: int,
         friction: bool = False,
+        frame_friction: bool = False,
         rates: bool = False,
+        massless: float | None = None,
         nthread: int | None = None,
     ) -> None:
         self.rig = rig
         self.num = num
         self.substeps = substeps
-        self.model = _model(rig, timestep, friction, rates)
+        self.model = _model(rig, timestep, friction, rates, massless)
         threads = min(num, os.cpu_count() or 1) if nthread is None else int(nthread)
         self.batch = Batch(self.model, num, threads, persistent=True)
         self.home = np.array(self.model.key_qpos[0])
@@ -81,9 +87,13 @@ class Plant:
         self._forces = RopeForces(
             rig, self.model, self.batch, self.geometry, self._spans, self.tensions
         )
-        self._friction = Friction(rig, self.model, self.batch) if friction else None
-        self._wind = _Wind(rig, self.model, self.batch)
+        self._friction = None
+        if friction:
+            self._friction = DryFriction(rig, self.model, self.batch, frame_friction)
+        self._viscous: ViscousFriction | None = None
+        self._wind = Wind(rig, self.model, self.batch)
         self._masses: Array | None = None
+        self._inertias: Array | None = None
         self.qpos[...] = self.home  # a first reset may be of some simulations only
         self.batch.forward()
 
@@ -104,7 +114,12 @@ class Plant:
         """Hold `ctrl` over one control period, in all simulations or some."""
         if self._wind.blowing:
             self._wind.blow()
-        self.batch.step(ids, self.substeps, ACCELERATIONS)
+        if self._friction is None or not self._friction.falling:
+            self.batch.step(ids, self.substeps, ACCELERATIONS)
+        else:
+            for left in range(self.substeps, 0, -1):
+                self._friction.follow()
+                self.batch.step(ids, 1, NOTHING if left > 1 else ACCELERATIONS)
         self._read()
 
     @property
@@ -143,22 +158,14 @@ class Plant:
         self._lengths = batch.bind("actuator_length")
         self._length_rates = batch.bind("actuator_velocity")
         self._per_gear = np.tile(1.0 / model.actuator_gear[:, 0], (num, 1))
-        sites = [model.site(index).name for index in range(model.nsite)]
-        loads = [load.name for load in rig.loads]
-        columns = output_columns(rig, sites)
-        self._sites = batch.bind("site_xpos").reshape(num, -1)
-        self._places = evenly(columns) or columns
-        self.outputs = np.zeros((num, len(columns)))
-        self.output_rates = np.zeros((num, len(columns) if rates else 0))
-        self._speeds = batch.bind("sensordata")
-        columns = [3 * loads.index(sites[column // 3]) + column % 3 for column in columns]
-        self._speed_places = evenly(columns) or columns
+        self._outputs = Outputs(rig, model, batch, rates)
+        self.outputs, self.output_rates = self._outputs.values, self._outputs.rates
 
     def _allocate(self) -> None:
         """Work arrays of the affine map, one small product of matrices for each simulation."""
         num, geometry = self.num, self.geometry
         ropes, clearances = len(self.rig.ropes), len(geometry.reasons)
-        joints = geometry.spans.shape[-1]
+        joints, size = geometry.spans.shape[-1], self.model.nq
         self.encoders = np.zeros((num, 2 * len(self.rig.drives)))
         self.drive_positions, self.drive_rates = np.hsplit(self.encoders, 2)
         self.reasons = (SLACK,) * ropes + geometry.reasons
@@ -166,7 +173,11 @@ class Plant:
         self._weights = np.ascontiguousarray(np.vstack(rows).T)
         self._joints = np.zeros((num, 3, joints))
         self._joints[:, 0, -1] = 1.0
-        self._state, self._accelerations = self._joints[:, :2, :-1], self._joints[:, 2, :-1]
+        self._state, self._accelerations = self._joints[:, :2, :size], self._joints[:, 2, :size]
+        self._turning = [
+            (self._joints[:, :, own], self._joints[:, :, size + 9 * index : size + 9 * index + 9])
+            for index, own in enumerate(angle_joints(self.rig))
+        ]
         self._mapped = np.zeros((num, 3, self._weights.shape[1]))
         self.margins = self._mapped[:, 0, : ropes + clearances]
         self.tensions = self.margins[:, :ropes]
@@ -178,89 +189,82 @@ class Plant:
         np.multiply(self._length_rates, self._per_gear, self.drive_rates)
         self._state[...] = self._joint_state
         self._accelerations[...] = self._joint_accelerations
+        for angles, rotation in self._turning:
+            rotation[...] = turned(angles)
         np.matmul(self._joints, self._weights, self._mapped)
-        self._forces.read(None if self._friction is None else self._friction.read())
-        self.outputs[...] = self._sites[:, self._places]
-        if self.output_rates.size:
-            self.output_rates[...] = self._speeds[:, self._speed_places]
+        self._forces.read(self._rubbing())
+        self._outputs.read()
+
+    def _rubbing(self) -> Array | None:
+        """Force of friction along each rope, (n, ropes), None where nothing can rub."""
+        dry = None if self._friction is None else self._friction.read()
+        if self._viscous is None:
+            return dry
+        return self._viscous.read() if dry is None else dry + self._viscous.read()
 
     def _disturb(self, sim: int, scenario: Scenario) -> None:
         """Give a simulation its masses, friction and wind."""
         self._wind.set(sim, scenario)
-        loads = [self.model.body(load.name).id for load in self.rig.loads]
+        loads = [self.model.body(load.name).id for load in payloads(self.rig)]
         if self._masses is None and scenario.load_mass != 1.0:
             self._masses = self.batch.expand("body_mass")
+            self._inertias = self.batch.expand("body_inertia") if self.rig.platforms else None
         if self._masses is not None:
             self._masses[sim, loads] = scenario.load_mass * self.model.body_mass[loads]
+        if self._inertias is not None:
+            self._inertias[sim, loads] = scenario.load_mass * self.model.body_inertia[loads]
         if self._friction is not None:
-            self._friction.set(sim, scenario.winch_friction, scenario.trolley_friction)
+            self._friction.set(sim, scenario)
+        if self._viscous is None and scenario.viscous:
+            self._viscous = ViscousFriction(self.rig, self.model, self.batch)
+        if self._viscous is not None:
+            self._viscous.set(sim, scenario)
 
     def _swung(self, joints: Array, scenario: Scenario) -> Array:
-        """Joints with each hanging load swung about what it hangs from, its rope as long."""
+        """Joints with each hanging load swung about what it hangs from, its rope as long.
+
+        A platform stays upright: it moves as its first corner would about what that hangs from.
+        """
         state = State(joints[None], np.zeros_like(joints[None]))
         values, _ = coordinates(self.rig, self.model, state)
         place = {name: motion[0, 0] for name, motion in points(self.rig, *state).items()}
-        for load, above in hangers(self.rig).items():
-            length = float(np.linalg.norm(place[load] - place[above]))
-            aside = np.sin(scenario.swing) * _heading(self.rig, scenario.swing_direction)
+        corners = {anchor.name: anchor.frame for anchor in self.rig.anchors}
+        moved: set[str] = set()
+        for end, above in hangers(self.rig).items():
+            length = float(np.linalg.norm(place[end] - place[above]))
+            aside = np.sin(scenario.swing) * heading(self.rig, scenario.swing_direction)
             down = np.array([0.0, 0.0, -np.cos(scenario.swing)])
             swung = place[above] + length * (aside + down)
+            name = corners.get(end, end)
+            if name in moved:
+                continue
+            moved.add(name)
+            if name != end:
+                swung = place[name] + swung - place[end]
             for axis in self.rig.axes:
-                values[f"{load}.{axis}"] = swung["xyz".index(axis), None]
+                values[f"{name}.{axis}"] = swung["xyz".index(axis), None]
         return np.asarray(joint_state(self.rig, self.model, values).qpos[0])
 
 
-class _Wind:
-    """A steady force on every load with a sinusoid on top, held over each control period."""
-
-    def __init__(self, rig: Rig, model: mujoco.MjModel, batch: Batch) -> None:
-        num = batch.nsim
-        self._rig = rig
-        self._loads = [model.body(load.name).id for load in rig.loads]
-        self._push, self._time = batch.bind("xfrc_applied"), batch.bind("time")
-        self._steady, self._gust, self._rate, self._phase = (np.zeros(num) for _ in range(4))
-        self._heading = np.zeros((num, 3))
-        self.blowing = False
-
-    def set(self, sim: int, scenario: Scenario) -> None:
-        """The wind of one simulation."""
-        self._steady[sim], self._gust[sim] = scenario.wind, scenario.gust
-        self._rate[sim] = 2.0 * np.pi * scenario.gust_frequency
-        self._phase[sim] = scenario.gust_phase
-        self._heading[sim] = _heading(self._rig, scenario.wind_direction)
-        self.blowing = bool((self._steady != 0).any() or (self._gust != 0).any())
-
-    def blow(self) -> None:
-        """Apply the forces of this instant."""
-        sway = np.sin(self._rate * self._time + self._phase)
-        force = (self._steady + self._gust * sway)[:, None] * self._heading
-        for load in self._loads:
-            self._push[:, load, :3] = force
-
-
-def _heading(rig: Rig, direction: float) -> Array:
-    """Horizontal unit vector, (3,); in a planar rig along x, to the side the direction points."""
-    if rig.dimensions == 2:
-        return np.array([1.0 if np.cos(direction) >= 0 else -1.0, 0.0, 0.0])
-    return np.array([np.cos(direction), np.sin(direction), 0.0])
-
-
-def _model(rig: Rig, timestep: float, friction: bool, rates: bool) -> mujoco.MjModel:
+def _model(
+    rig: Rig, timestep: float, friction: bool, rates: bool, massless: float | None
+) -> mujoco.MjModel:
     """The rig's bare physics, with the loads' velocities as sensors if asked for."""
     log = mujoco.MjLogConfig.get()
     if log.logfile == LOG:  # warnings go to the console; leave no file in the user's folder
         log.logto_file = False
         log.set()
-    scene = mjcf.spec(rig, timestep=timestep, visuals=False, friction=friction)
+    scene = mjcf.spec(rig, timestep=timestep, visuals=False, friction=friction, massless=massless)
     # A state that is not finite must show, not be replaced by the initial one without a word.
     scene.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     if rates:
-        for load in rig.loads:
+        free: tuple[Load | Platform, ...] = (*rig.loads, *rig.platforms)
+        for name in [part.name for part in free]:
             scene.add_sensor(
-                name=f"{load.name}.velocity",
+                name=f"{name}.velocity",
                 type=mujoco.mjtSensor.mjSENS_FRAMELINVEL,
                 objtype=mujoco.mjtObj.mjOBJ_SITE,
-                objname=load.name,
+                objname=name,
             )
     model = scene.compile()
     mjcf.check(model)

@@ -1,7 +1,9 @@
-"""What the option `reference` of an environment may be, and references drawn at random."""
+"""What the options `rig` and `reference` may be, and references drawn at random."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from os import PathLike, fspath, sep
 
 import numpy as np
 
@@ -10,6 +12,7 @@ from ..feedforward.reference import Reference
 from ..models.errors import FlatrigError, OptionError
 from ..models.move import Move
 from ..models.rig import Rig
+from .payloads import payloads
 from .plan import Plan, layout_of, make_plan
 
 Sampler = Callable[[np.random.Generator], Reference | Move]
@@ -20,6 +23,10 @@ SHORTEST = 0.4
 
 HASTE = (1.0, 1.6)
 """Durations of drawn moves over those that would be as fast as the default move."""
+
+ASIDE = 0.2
+"""How far from the line between the default move's ends points are drawn where a free pulley keeps
+the load to a narrow space, as a share of the box."""
 
 TRIES = 50
 
@@ -54,12 +61,12 @@ def default_move(rig: Rig) -> Move:
         raise OptionError(
             f"rig {rig.name} is not in the catalogue and has no move of its own; give `reference`"
         )
-    return models.default_move(rig.name)
+    return models.default_move(rig)
 
 
 @dataclass(frozen=True)
 class RandomMoves:
-    """Moves between random points of the box that the rig's default move spans.
+    """Moves between random points of the box that the rig's default move spans, or near its line.
 
     Each is as smooth as the default move, takes as long as its distance asks, and can be
     followed: ropes stay taut, trolleys on their rails, inputs within `HEADROOM` of the limits.
@@ -88,8 +95,13 @@ class RandomMoves:
     def _draw(self, generator: np.random.Generator) -> Move:
         corners = np.array((self.move.start, self.move.goal))
         whole = float(np.linalg.norm(corners[1] - corners[0]))
+        narrow = len(payloads(self.rig)) < len(self.rig.loads) + len(self.rig.platforms)
         while True:
-            ends = corners[0] + generator.random((2, corners.shape[1])) * (corners[1] - corners[0])
+            shares = generator.random((2, corners.shape[1]))
+            if narrow:
+                along = shares.mean(axis=1, keepdims=True)
+                shares = along + ASIDE * (shares - along)
+            ends = corners[0] + shares * (corners[1] - corners[0])
             share = float(np.linalg.norm(ends[1] - ends[0])) / whole
             if share >= SHORTEST:
                 break
@@ -119,15 +131,17 @@ class Planner:
     option: ReferenceOption
     period: float
     hold: float
+    move: Move | None = None
+    """The rig's own, in place of the catalogue's."""
 
     def __post_init__(self) -> None:
         option = self.option
         self._sampler: Sampler | None = None
         self._fixed: Plan | None = None
         if option is None:
-            option = default_move(self.rig)
+            option = self.move or default_move(self.rig)
         if isinstance(option, str) and option == "random":
-            self._sampler = RandomMoves(self.rig, default_move(self.rig))
+            self._sampler = RandomMoves(self.rig, self.move or default_move(self.rig))
         elif isinstance(option, Move) or hasattr(option, "derivatives"):
             self._fixed = self.plan(option)  # type: ignore[arg-type]
         elif callable(option):
@@ -152,4 +166,33 @@ class Planner:
         if self._fixed is not None:
             return self._fixed
         assert self._sampler is not None
+        if isinstance(self._sampler, RandomMoves):
+            for _ in range(TRIES):
+                with suppress(FlatrigError):  # a move that its coarse samples promised too much of
+                    return self.plan(self._sampler(generator))
         return self.plan(self._sampler(generator))
+
+
+def rig_and_move(rig: object) -> tuple[Rig, Move | None]:
+    """A rig, and its move where a file gives one.
+
+    Raises
+    ------
+    OptionError
+        It is none of what a rig can be.
+    """
+    if isinstance(rig, Rig):
+        return rig, None
+    if rig is None:
+        raise OptionError(
+            "an environment needs a rig; give `rig`, a Rig, a name of the catalogue or a TOML file"
+        )
+    if isinstance(rig, PathLike) or (
+        isinstance(rig, str) and (rig.endswith(".toml") or sep in rig)
+    ):
+        return models.load(fspath(rig))
+    if isinstance(rig, str):
+        return models.make(rig), None
+    raise OptionError(
+        f"rig is {rig!r}, it must be a Rig, a name of the catalogue or the path of a TOML file"
+    )

@@ -19,11 +19,11 @@ class Camera:
     The model with looks is compiled when the first picture is asked for.
     """
 
-    def __init__(self, rig: Rig, mode: str) -> None:
+    def __init__(self, rig: Rig, mode: str, massless: float | None = None) -> None:
         from ..models import render  # only here: finding a backend for drawing takes a second
 
         self._draw = render.draw
-        self._model = models.compile(rig, visuals=True)
+        self._model = models.compile(rig, visuals=True, massless=massless)
         self._data = mujoco.MjData(self._model)
         self._window: Any = None
         self._drawing: Any = None

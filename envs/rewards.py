@@ -1,6 +1,7 @@
 """The reward: a product of named terms in (0, 1], so that none can buy off another.
 
-    tracking       1 / (1 + (d / D)^2)     d: distance of the outputs from the reference
+    tracking       1 / (1 + (d / D)^2)     d: distance of the outputs from the reference, in
+                                           which an angle counts times its lever
     smoothness     1 / (1 + |du|^2 / S^2)  du: change of the command in a control period
 
 An episode that ends early gets nothing in its last step, and nothing thereafter.
@@ -25,7 +26,8 @@ NAMES = ("tracking", "smoothness")
 class Reward:
     """The terms of n simulations, (n, terms), and the change of their commands, (n, drives)."""
 
-    def __init__(self, num: int, outputs: int, drives: int, scales: Scales) -> None:
+    def __init__(self, num: int, levers: Array, drives: int, scales: Scales) -> None:
+        outputs = len(levers)
         self.terms = np.ones((num, len(NAMES)))
         self._tracking, self._smoothness = self.terms.T
         self._one = np.ones_like(self.terms)
@@ -35,6 +37,7 @@ class Reward:
         self._scaled = np.zeros_like(self._vectors)
         self._per_unit = np.ones_like(self._vectors)
         self._per_unit[:, 0], self._per_unit[:, 1] = 1.0 / (NEAR * scales.length), 1.0 / JERKY
+        self._per_unit[:, 0, :outputs] *= levers
 
     def of(self, outputs: Array, reference: Array) -> Array:
         """Rewards (n,), a new array, for outputs and the `change` of the command written before.

@@ -1,15 +1,9 @@
-"""Rope tensions at every step, and the friction of winches and trolleys.
+"""Rope tensions at every step.
 
 The tension where a rope leaves its winch is T = (J/r^2) L'' - u/r - F, with the rope's length L,
 the winch's torque u and the force F of friction along the rope.  `flatrig.models.state.tensions`
 says the same in a line for any rig; here it is done in few array operations for the rigs whose
 spans are affine in the joints.
-
-The force of friction is exact but for one case.  MuJoCo's batch tells the sum of all friction on a
-joint; where a rope and a trolley rub on the same one, as the rope that pulls the roped crane's
-trolley does, the sum is shared in proportion to what each can bear, a and b.  That is exact while
-both slip, since they slip together; while they stick, the tension is off by at most
-2 a b / (a + b).
 """
 
 import mujoco
@@ -22,9 +16,6 @@ from ..models.state import tensions
 from .geometry import Geometry, evenly
 
 Array = NDArray[np.float64]
-
-FAINT = 1e-9
-"""Regularisation of the split of friction among drives that rub on the same joint."""
 
 
 class RopeForces:
@@ -47,9 +38,9 @@ class RopeForces:
         self._qpos, self._qvel = batch.bind("qpos"), batch.bind("qvel")
         self._qacc, self._ctrl = batch.bind("qacc"), batch.bind("ctrl")
         tendons = [model.tendon(rope.name).id for rope in rig.ropes]
-        assert tendons == list(range(len(tendons)))  # ropes come first
-        self._lengths = batch.bind("ten_length")[:, : len(tendons)]
-        self._rates = batch.bind("ten_velocity")[:, : len(tendons)]
+        ropes = evenly(tendons) or slice(0)  # one after the other where they are straight
+        self._lengths = batch.bind("ten_length")[:, ropes]
+        self._rates = batch.bind("ten_velocity")[:, ropes]
 
         num, owners = batch.nsim, np.array(geometry.rope_of_span)
         drives = {drive.on: column for column, drive in enumerate(rig.drives)}
@@ -59,7 +50,11 @@ class RopeForces:
         self._gears = np.tile(gears, (num, 1))
         self._inertia = np.tile([rope.inertia_along for rope in rig.ropes], (num, 1))
         self._first = np.flatnonzero(np.diff(owners, prepend=-1))
-        self._straight = len(owners) == len(rig.ropes)
+        ends = np.append(self._first[1:], len(owners)) - 1
+        self._falls = np.ones(len(owners))
+        self._falls[ends] = [rope.falls for rope in rig.ropes]
+        self._reeved = bool((self._falls != 1.0).any())
+        self._straight = len(owners) == len(rig.ropes) and not self._reeved
         # d.d'' + d'.d' - L'^2 is the inner product of (d, d', L') and (d'', d', -L').
         by_span = spans.reshape(num, 3, len(owners), 3).swapaxes(1, 2)
         self._motion, self._reverse = by_span[:, :, :2], by_span[:, :, 2:0:-1]
@@ -101,61 +96,7 @@ class RopeForces:
         second: Array = np.vecdot(self._left, self._right)
         second -= np.vecdot(distance, rate) ** 2 / square
         second /= np.sqrt(square)
+        if self._reeved:
+            second *= self._falls
         np.add.reduceat(second, self._first, 1, out=self._second)
         return self._second
-
-
-class Friction:
-    """Coulomb friction of winches, along their ropes, and of trolleys, along their rails."""
-
-    def __init__(self, rig: Rig, model: mujoco.MjModel, batch: Batch) -> None:
-        self._batch = batch
-        num, freedoms = batch.nsim, model.nv
-        drives = [drive.on for drive in rig.drives]
-        self._ropes = len(rig.ropes)
-        self._winches = [model.tendon(rope.name).id for rope in rig.ropes if rope.name in drives]
-        self._on_tendon = batch.expand("tendon_frictionloss")
-        self._on_joint = batch.expand("dof_frictionloss")
-        tendons = {model.tendon(index).name for index in range(model.ntendon)}
-        names = [trolley.coordinate for trolley in rig.trolleys]
-        self._sums = [model.tendon(name).id for name in names if name in tendons]
-        self._slides = [int(model.joint(name).dofadr[0]) for name in names if name not in tendons]
-        self._tendons = [model.tendon(rope.name).id for rope in rig.ropes] + self._sums
-        self._force = batch.bind("qfrc_constraint")
-        self._sparse = batch.bind("ten_J")
-        self._places = [
-            (row, slice(start, start + count), model.ten_J_colind[start : start + count])
-            for row, (start, count) in enumerate(
-                zip(
-                    model.ten_J_rowadr[self._tendons].tolist(),
-                    model.ten_J_rownnz[self._tendons].tolist(),
-                    strict=True,
-                )
-            )
-        ]
-        self._directions = np.zeros((num, len(self._tendons) + len(self._slides), freedoms))
-        for row, slide in enumerate(self._slides):
-            self._directions[:, len(self._tendons) + row, slide] = 1.0
-
-    def set(self, sim: int, winch: float, trolley: float) -> None:
-        """Friction of one simulation [N]."""
-        self._on_tendon[sim, self._winches] = winch
-        self._on_tendon[sim, self._sums] = trolley
-        self._on_joint[sim, self._slides] = trolley
-
-    def read(self) -> Array:
-        """Force of friction along each rope, (n, ropes) [N]; negative while it is paid out.
-
-        Where a rope and a trolley rub on the same joint they share its friction, see the module.
-        """
-        directions = self._directions
-        for row, part, columns in self._places:
-            directions[:, row, columns] = self._sparse[:, part]
-        bearable = np.concatenate(
-            (self._on_tendon[:, self._tendons], self._on_joint[:, self._slides]), axis=-1
-        )
-        pairs = (directions[:, :, None, :] * directions[:, None, :, :]).sum(-1)
-        diagonal = np.arange(pairs.shape[-1])
-        pairs[:, diagonal, diagonal] += FAINT / (bearable + FAINT)
-        along = (directions * self._force[:, None, :]).sum(-1)
-        return np.asarray(np.linalg.solve(pairs, along[..., None])[:, : self._ropes, 0])

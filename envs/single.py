@@ -26,7 +26,7 @@ class CraneEnv(gym.Env[Any, Any]):
 
     metadata = {"render_modes": list(MODES), "render_fps": 50}  # noqa: RUF012 (Gymnasium's)
 
-    def __init__(self, rig: Any, *, render_mode: str | None = None, **options: Any) -> None:
+    def __init__(self, rig: Any = None, *, render_mode: str | None = None, **options: Any) -> None:
         self.task = CraneTask(rig, num=1, **options)
         self.observation_space = observation_space(self.task)
         self.action_space = action_space(self.task)
@@ -78,7 +78,7 @@ class CraneEnv(gym.Env[Any, Any]):
         if self.render_mode is None:
             return None
         if self._camera is None:
-            self._camera = Camera(self.task.rig, self.render_mode)
+            self._camera = Camera(self.task.rig, self.render_mode, self.task.massless)
         return self._camera.show(self.task.plant.qpos[0])
 
     def close(self) -> None:

@@ -11,12 +11,12 @@ A simulation's episode depends on its own generator, scenario and actions only, 
 """
 
 from collections.abc import Sequence
+from os import PathLike
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import models
 from ..feedforward.reference import Reference
 from ..models.errors import OptionError
 from ..models.move import Move
@@ -24,9 +24,10 @@ from ..models.rig import Rig
 from .disturbances import Disturbances, Scenario, as_disturbances
 from .observation import Observation
 from .options import actions_of, check_simple, substeps_of
+from .outputs import levers
 from .plan import layout_of
 from .plant import NOT_FINITE, Ids, Plant
-from .references import Planner, ReferenceOption
+from .references import Planner, ReferenceOption, rig_and_move
 from .rewards import NAMES as REWARD_NAMES
 from .rewards import Reward
 from .signals import Commands, Encoders, Rows
@@ -57,10 +58,10 @@ class CraneTask:
     Parameters
     ----------
     rig
-        The description, or the name of a rig of the catalogue.
+        The description, the name of a rig of the catalogue, or the path of a TOML file.
     reference
         A `Reference` or a `Move` for all episodes; a function that draws one from a random
-        generator; "random" for moves between random points; None for the catalogue's move.
+        generator; "random" for moves between random points; None for the catalogue's or the file's.
     num
         Number of simulations n.
     sensors
@@ -73,6 +74,8 @@ class CraneTask:
         `Disturbances`, "standard", a dictionary of ranges, or None for a plant like the rig.
     hold
         How long an episode lasts after arrival [s].
+    massless
+        Stands in for the mass of free pulleys that have none [kg], see `flatrig.models.compile`.
     nthread
         Threads of the simulation; results do not depend on it.
 
@@ -86,7 +89,7 @@ class CraneTask:
 
     def __init__(
         self,
-        rig: Rig | str,
+        rig: Rig | str | PathLike[str] | None = None,
         reference: ReferenceOption = None,
         *,
         num: int = 1,
@@ -95,35 +98,36 @@ class CraneTask:
         timestep: float = 2e-3,
         disturbances: Disturbances | dict[str, Any] | str | None = None,
         hold: float = 4.0,
+        massless: float | None = None,
         nthread: int | None = None,
     ) -> None:
-        self.rig = models.make(rig) if isinstance(rig, str) else rig
-        if not isinstance(self.rig, Rig):
-            raise OptionError(f"rig is {rig!r}, it must be a Rig or a name of the catalogue")
+        self.rig, move = rig_and_move(rig)
         check_simple(num, sensors, hold, nthread)
         self.num = num = int(num)
+        self.massless = massless
         self.all = np.arange(num, dtype=np.int32)
         substeps = substeps_of(rate, timestep)
         self.period = substeps * timestep
         self.disturbances = as_disturbances(disturbances, self.rig)
         self.limits = np.array([drive.limit for drive in self.rig.drives])
-        self.planner = Planner(self.rig, reference, self.period, hold)
+        self.planner = Planner(self.rig, reference, self.period, hold, move)
         self.plant = Plant(
             self.rig,
             num,
             timestep=timestep,
             substeps=substeps,
             friction=self.disturbances.friction,
+            frame_friction=self.disturbances.frame_friction[1] > 0,
             rates=sensors == "full",
+            massless=massless,
             nthread=nthread,
         )
         self.scales = self.plant.geometry.scales
         self.scenarios = [Scenario()] * num
-        drives, outputs = len(self.rig.drives), len(self.rig.outputs)
         self.rows = Rows(layout_of(self.rig), num, self.planner.fixed)
         self.encoders = Encoders(self.plant, self.period)
         self._observation = Observation(self.plant, self.encoders, self.rows, sensors == "full")
-        self._reward = Reward(num, outputs, drives, self.scales)
+        self._reward = Reward(num, levers(self.rig, self.scales), len(self.rig.drives), self.scales)
         self._new = set(range(num))
         self._steps = np.zeros(num, dtype=np.int64)
         self._countdown = 0

@@ -9,6 +9,12 @@ their coordinates and the load may swing.  With the frequency omega and the damp
 
 A trolley's inertia is its own, since the load below it swings: 10 kg in the overhead crane.
 
+Drives that move one thing together, as the two ropes of a roped trolley do, have common motions in
+which far less inertia meets the same stiffness.  Where the quickest of them would have more than
+`COMMON` times the squared frequency of a drive alone, all gains are made that much softer:
+lambda is the smallest eigenvalue of the drives' inertia matrix with its diagonal scaled to 1, and
+gains are multiplied by min(1, `COMMON` lambda).
+
 The numbers were chosen once, for 50 Hz, on scenarios of `Disturbances.standard`, whose inputs come
 up to two periods late: stiffer winches make ropes slack in some of them, softer drives track worse,
 and nothing is left for a third period of delay.  Towards a fixed set point errors are of the size
@@ -35,6 +41,11 @@ TUNING: dict[Track, dict[type, tuple[float, float]]] = {
 """omega [rad/s] and zeta of winches, trolleys and frames."""
 
 
+COMMON: dict[Track, float] = {"moving": 3.0, "set point": 2.0}
+"""Moving: a rope's damping 2 zeta omega then grows to about a trolley's, which stands two periods
+of delay.  Set point: a roped trolley that is asked to go 5 m at once keeps its ropes taut."""
+
+
 class Gains(NamedTuple):
     """Of each drive, in its input's unit per metre, or radian of a turning frame."""
 
@@ -48,12 +59,18 @@ def gains_of(task: CraneTask, track: Track = "moving") -> Gains:
     """Gains for the drives of a task's rig."""
     kinds = [type(task.rig.driven(drive)) for drive in task.rig.drives]
     frequency, ratio = np.array([TUNING[track][kind] for kind in kinds]).T
-    inertia = inertias(task)
+    inertia, quickest = _inertias(task)
+    inertia *= min(1.0, COMMON[track] * quickest)
     return Gains(frequency**2 * inertia, 2.0 * ratio * frequency * inertia)
 
 
 def inertias(task: CraneTask) -> Array:
     """Input per acceleration of each drive's own coordinate at home, (drives,)."""
+    return _inertias(task)[0]
+
+
+def _inertias(task: CraneTask) -> tuple[Array, float]:
+    """The same, and the smallest eigenvalue of their matrix with its diagonal scaled to 1."""
     model = task.plant.model
     data = mujoco.MjData(model)
     data.qpos[:] = task.plant.home
@@ -68,4 +85,6 @@ def inertias(task: CraneTask) -> Array:
     gears = model.actuator_gear[:, 0]
     gradients = moments / gears[:, None]
     coupled = np.linalg.inv(gradients @ np.linalg.solve(mass, gradients.T))
-    return np.asarray(np.diag(coupled) / gears)
+    scale = np.sqrt(np.diag(coupled))
+    quickest = float(np.linalg.eigvalsh(coupled / np.outer(scale, scale))[0])
+    return np.asarray(np.diag(coupled) / gears), quickest

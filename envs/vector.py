@@ -39,7 +39,7 @@ class CraneVectorEnv(VectorEnv[Array, Any, Any]):
     }
 
     def __init__(
-        self, rig: Any, *, num_envs: int = 1, render_mode: str | None = None, **options: Any
+        self, rig: Any = None, *, num_envs: int = 1, render_mode: str | None = None, **options: Any
     ) -> None:
         self.task = CraneTask(rig, num=num_envs, **options)
         self.num_envs = num_envs = self.task.num
@@ -114,7 +114,7 @@ class CraneVectorEnv(VectorEnv[Array, Any, Any]):
         if self.render_mode is None:
             return None
         if self._camera is None:
-            self._camera = Camera(self.task.rig, self.render_mode)
+            self._camera = Camera(self.task.rig, self.render_mode, self.task.massless)
         return tuple(self._camera.show(joints) for joints in self.task.plant.qpos)
 
     def close_extras(self, **options: Any) -> None:

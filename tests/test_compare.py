@@ -12,7 +12,7 @@ from flatrig.envs import Scenario
 from flatrig.models.errors import OptionError
 from flatrig.training import compare, report
 from flatrig.training.cli import main
-from flatrig.training.metrics import NAMES
+from flatrig.training.metrics import NAMES, between
 from flatrig.training.policy import Card, Policy
 
 RIG = models.overhead_crane()
@@ -144,3 +144,33 @@ def test_intervals_are_of_the_same_resamples_for_all(runner: compare.Runner) -> 
     found = report.summary(runs)
     assert found["one"] == found["other"]
     assert report.changes(runs, "one")["other"].high == 0.0
+
+
+def test_a_platform_is_judged_by_place_and_orientation(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rig = models.make("cable_manipulator")
+    assert compare.carried(rig) == ([0, 1, 2], [3, 4, 5])
+    assert compare.carried(models.make("navy_crane_2d")) == ([0, 1], [])
+    start = models.default_move(rig).start
+    goal = (*start[:3], 0.1, 0.0, 0.2, start[6])
+    move = models.Move(start=start, goal=goal, duration=3.0)
+    record = compare.Runner(rig, move, [Scenario()]).drive(compare.CONTROLLERS["feedforward"])
+    assert record.turn is not None
+    assert record.turn.max() < 1e-3
+    argv = ["compare", "cable-manipulator", "--goal", *map(str, goal), "--duration", "3"]
+    argv += ["--profile", "polynomial", "--nominal", "-o", str(tmp_path)]
+    assert main(argv) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "turned by" in out or "turned" in out
+    assert "no policy is shipped for cable_manipulator" in out
+    facts = json.loads((tmp_path / "summary.json").read_text())
+    assert facts["controllers"]["feedforward"]["turn"]["mean"] < 1e-3
+
+
+def test_the_angle_between_orientations_is_of_one_rotation() -> None:
+    assert between(np.zeros(3), np.array((0.0, 0.0, 1e-9))) == pytest.approx(1e-9)
+    assert between(np.zeros(3), np.array((0.3, 0.0, 0.0))) == pytest.approx(0.3)
+    assert between(np.array((0.2, 0.4, 1.0)), np.array((0.2, 0.4, 1.7))) == pytest.approx(0.7)
+    quarter = np.array((np.pi / 2, 0.0, np.pi / 2))  # two quarter turns are a third about (1,1,1)
+    assert between(np.zeros(3), quarter) == pytest.approx(2 * np.pi / 3)

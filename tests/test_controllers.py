@@ -9,13 +9,22 @@ from flatrig import feedforward, models
 from flatrig.envs.controllers import task_of
 from flatrig.envs.tuning import gains_of, inertias
 from flatrig.feedforward.reference import hold
+from flatrig.models.friction import Friction
 
 NAMES = list(envs.ENVIRONMENTS)
-OVERHEAD, ROPED, ROTARY = NAMES
+OVERHEAD, ROPED, ROTARY, CANTILEVER, GANTRY, NAVY2, NAVY3, CABLEV = NAMES
+SPREAD = models.default_move("cable_manipulator").start[-1]
 GENTLE = {
     OVERHEAD: feedforward.rest_to_rest((0, -4), (1, -3), 2.5),
     ROPED: feedforward.rest_to_rest((0, -4), (1, -3), 2.5),
     ROTARY: feedforward.rest_to_rest((5, 0, -5), (4, 1, -4), 4.0),
+    CANTILEVER: feedforward.rest_to_rest((5, 0, -5), (4, 1, -4), 4.0),
+    GANTRY: feedforward.rest_to_rest((5, 0, -5), (4, 1, -4), 4.0),
+    NAVY2: feedforward.rest_to_rest((-4.4, -22.5, -12.5), (-5, -21.5, -12), 3.0),
+    NAVY3: feedforward.rest_to_rest((8.7, 0, -15, 2.5), (8.2, 0.5, -14.5, 2.5), 6.0, order=6),
+    CABLEV: feedforward.rest_to_rest(
+        (1.35, 1.2, -3, 0, 0, 0, SPREAD), (1.6, 1.4, -2.7, 0.1, -0.05, 0.2, SPREAD), 4.0
+    ),
 }
 
 
@@ -35,6 +44,11 @@ def run(env, actions=None, seed=0):
         errors.append(float(np.linalg.norm(info["load"] - info["reference"])))
         over, step = terminated or truncated, step + 1
     return np.array(observations), np.array(errors), info
+
+
+def at_home(name):
+    """Outputs of the rig at home."""
+    return make(name).reset(seed=0)[1]["load"]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -92,8 +106,7 @@ def test_feedforward_and_pd_track(name):
 @pytest.mark.parametrize("name", NAMES)
 def test_holding_inputs_stand_only_once(name):
     """However PD and feedforward are stacked, at rest they ask for the equilibrium's inputs."""
-    load = models.make(envs.ENVIRONMENTS[name]).home["load"]
-    rest = hold([load[0], load[2]] if name != ROTARY else load)
+    rest = hold(at_home(name))
     for stack in (
         lambda env: envs.Feedforward(envs.PD(env)),
         lambda env: envs.PD(envs.Feedforward(env)),
@@ -201,3 +214,88 @@ def test_wrong_options_get_one_line(build, message):
     for env in (make(), gym.make_vec(OVERHEAD, num_envs=2)):
         with pytest.raises(models.OptionError, match=message):
             build(env)
+
+
+def test_drives_of_one_trolley_are_softer_together():
+    """Moved alone, pull and hoist meet 10 + 10 + 100 kg and 10 + 100 kg; 100 kg they share."""
+    task = task_of(make(ROPED))
+    assert np.allclose(inertias(task), (12.0, 11.0))
+    quickest = 1.0 - 100.0 / np.sqrt(120.0 * 110.0)
+    assert np.allclose(gains_of(task).stiffness, 5.5**2 * np.array((12.0, 11.0)) * 3.0 * quickest)
+    assert np.allclose(gains_of(task_of(make(ROTARY))).stiffness[2], 5.5**2 * 11.0)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_feedback_stands_two_periods_of_delay(name):
+    env = envs.Feedforward(envs.PD(make(name, hold=0.0)))
+    env.reset(seed=0, options={"scenario": envs.Scenario(delay=2, wind=1.0)})
+    over = False
+    while not over:
+        *_, terminated, over, info = env.step(np.zeros(len(env.unwrapped.action_names)))
+        assert not terminated, info["reason"]
+    assert np.linalg.norm(info["load"] - info["reference"]) < 0.15
+
+
+RUBBING = {
+    "winch_friction": (0.0, 40.0),
+    "trolley_friction": (0.0, 40.0),
+    "winch_viscous": (0.0, 40.0),
+    "trolley_viscous": (0.0, 40.0),
+}
+
+
+@pytest.mark.parametrize("speed", ["reference", "measured"])
+def test_compensation_takes_away_the_friction_it_knows(speed):
+    """By default it expects the middle of the ranges, which is what this scenario has."""
+    scenario = envs.Scenario(
+        winch_friction=20.0, trolley_friction=20.0, winch_viscous=20.0, trolley_viscous=20.0
+    )
+    errors = []
+    for build in (lambda env: env, lambda env: envs.FrictionCompensation(env, speed=speed)):
+        env = build(envs.Feedforward(envs.PD(make(disturbances=RUBBING, hold=0.0))))
+        env.reset(seed=0, options={"scenario": scenario})
+        over = False
+        while not over:
+            *_, over, info = env.step(np.zeros(2))
+            errors.append(float(np.linalg.norm(info["load"] - info["reference"])))
+    half = len(errors) // 2
+    assert max(errors[half:]) < 0.2 * max(errors[:half])
+
+
+def test_compensation_of_no_friction_changes_nothing_and_refuses_what_it_cannot_do():
+    plain = run(envs.Feedforward(make(reference=GENTLE[OVERHEAD])))
+    with_it = run(envs.FrictionCompensation(envs.Feedforward(make(reference=GENTLE[OVERHEAD]))))
+    assert np.array_equal(plain[0], with_it[0])
+    friction = Friction(10.0)
+    for options, message in (
+        ({"speed": "mean"}, "speed is 'mean'"),
+        ({"friction": {"wench": friction}}, "no such drive; did you mean winch"),
+        ({"friction": {"winch": 3.0}}, "must be a Friction"),
+    ):
+        with pytest.raises(models.OptionError, match=message):
+            envs.FrictionCompensation(make(), **options)
+    with pytest.raises(models.OptionError, match="stands below already"):
+        envs.FrictionCompensation(envs.FrictionCompensation(make()))
+
+
+def test_compensation_is_a_force_along_the_rope():
+    """A winch's torque is the force times its drum's radius."""
+    env = envs.FrictionCompensation(
+        make(), {"winch": Friction(10.0, viscous=2.0)}, speed="measured"
+    )
+    env.reset(seed=0)
+    task = task_of(env)
+    task.encoders.rates[0] = (1.0, 0.5)
+    assert np.allclose(env.law.apply(np.zeros((1, 2)))[0] * task.limits, (0.0, 11.0 * 0.1))
+
+
+def test_gymnasium_makes_the_same_controllers_again():
+    env = envs.PD(make(hold=0.5, disturbances="standard"), stiffness=(900.0, 300.0))
+    env = envs.Residual(envs.FrictionCompensation(envs.Feedforward(env)), fraction=0.3)
+    again = gym.make(env.spec)
+    assert [layer.name for layer in again.spec.additional_wrappers][-1] == "Residual"
+    from_text = gym.make(gym.envs.registration.EnvSpec.from_json(env.spec.to_json()))
+    actions = np.random.default_rng(0).normal(size=(30, 2))
+    first = run(env, actions)[0]
+    assert np.array_equal(run(again, actions)[0], first)
+    assert np.array_equal(run(from_text, actions)[0], first)

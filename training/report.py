@@ -30,6 +30,8 @@ COLUMNS = {
     "tension": ("lowest\ntension [N]", 1.0, 0),
 }
 """Metric: heading, factor of the unit shown, digits."""
+TURN = {"turn": ("turned\nby [deg]", 180.0 / np.pi, 2)}
+"""The same where a platform has a reference for its orientation."""
 
 
 def make_folder(folder: Path) -> None:
@@ -85,14 +87,17 @@ def show(
     from .compare import BASE, RESIDUAL
 
     many = len(scenarios) > 1
+    columns = dict(COLUMNS)
+    if np.isfinite(runs[0].metrics.turn).any():
+        columns |= TURN
     shown = table(
         heading(rig, scenarios) + (", mean and 95 % interval" if many else ""),
-        "controller", *(name for name, _, _ in COLUMNS.values()), "settled", "ended\nearly",
+        "controller", *(name for name, _, _ in columns.values()), "settled", "ended\nearly",
     )  # fmt: skip
     means, relative = summary(runs), changes(runs, BASE)
     for run in runs:
         cells: list[Text | str] = [Text(run.name, style="bold" if run.name == RESIDUAL else "")]
-        for name, (_, factor, digits) in COLUMNS.items():
+        for name, (_, factor, digits) in columns.items():
             value = means[run.name][name]
             scaled = Estimate(factor * value.mean, factor * value.low, factor * value.high)
             middle, interval = scaled.format(digits)
@@ -157,7 +162,7 @@ def write(folder: Path, rig: Rig, runs: Sequence["Run"], scenarios: Sequence[Sce
     facts = {
         "rig": rig.name,
         "scenarios": len(scenarios),
-        "units": "m, s, N, shares of the limits",
+        "units": "m, rad, s, N, shares of the limits",
         "controllers": {
             name: {metric: _plain(value) for metric, value in values.items()}
             for name, values in summary(runs).items()
