@@ -27,6 +27,7 @@ from .branch import branch_of, taylor_of
 from .checks import FloatArray, check_derivative, check_times
 from .reference import Reference
 from .refusal import failure
+from .servo import prescribe
 from .steps import plan
 from .structure import analyse
 from .taylor import expand
@@ -163,8 +164,8 @@ class Bisected:
         j = analysis.unknowns.index(self.height)
         further = max(0, order - analysis.unknown_offsets[j])
         taylor = taylor_of(self.load, times, branch.order + further)
-        guess = branch.near(times)
-        solution = expand(plan(analysis, further), len(guess), taylor, guess, follow=False)
+        given, guess = prescribe(self.light, taylor), branch.near(times)
+        solution = expand(plan(analysis, further), len(guess), given, guess, follow=False)
         error = failure(self.light, analysis, solution, branch.signs, times, taylor[0])
         if error is not None:
             raise error

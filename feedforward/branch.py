@@ -23,6 +23,7 @@ from .servo import prescribe
 from .steps import Step, plan
 from .structure import Analysis, analyse
 from .taylor import Solution, expand
+from .turning import FixedAxis
 
 Array = NDArray[np.float64]
 
@@ -166,16 +167,36 @@ def _accept(rig: Rig, reference: Reference, analysis: Analysis) -> None:
             f"rig {rig.name} is not flat: its outputs leave {analysis.degrees_of_freedom} "
             "degrees of freedom undetermined"
         )
-    if reference.size != len(rig.outputs):
-        raise PathError(
-            f"the reference has {reference.size} columns, rig {rig.name} needs "
-            f"{len(rig.outputs)}: {', '.join(rig.outputs)}"
-        )
+    accept_columns(rig, reference)
     if reference.order < analysis.reference_order:
         raise SmoothnessError(
             f"the reference has {reference.order} continuous derivatives, rig {rig.name} "
             f"needs {analysis.reference_order}"
         )
+
+
+def accept_columns(rig: Rig, reference: Reference) -> None:
+    """Refuse a reference whose columns are not the rig's outputs.
+
+    Raises:
+        PathError: it has more or fewer, or turns something that is no platform, or is no path.
+    """
+    if not hasattr(reference, "derivatives"):
+        raise PathError(
+            f"the reference is a {type(reference).__name__}, it must be a path; from_move makes one"
+        )
+    if reference.size != len(rig.outputs):
+        raise PathError(
+            f"the reference has {reference.size} columns, rig {rig.name} needs "
+            f"{len(rig.outputs)}: {', '.join(rig.outputs)}"
+        )
+    if isinstance(reference, FixedAxis):
+        turned = tuple(rig.outputs[column] for column in reference.columns)
+        if turned not in [platform.angles for platform in rig.platforms]:
+            raise PathError(
+                f"the path turns {', '.join(turned)} of rig {rig.name} about one axis, these must "
+                "be the angles alpha, beta and gamma of a platform"
+            )
 
 
 @lru_cache(maxsize=512)
@@ -187,7 +208,7 @@ def approach(rig: Rig, start: tuple[float, ...]) -> Solution:
     outputs = np.array([_output(rig, values, name) for name in rig.outputs])
     when = "on the way from the rig's home to the start"
     errors = []
-    for way in _ways(outputs, np.array(start)):
+    for way in _ways(outputs, _unwound(rig, start)):
         taylor = np.zeros((_order(analysis) + 1, *way.shape))
         taylor[0] = way
         solution = expand(steps, len(home), prescribe(rig, taylor), home[:, None], follow=True)
@@ -197,6 +218,13 @@ def approach(rig: Rig, start: tuple[float, ...]) -> Solution:
             return solution
         errors.append(error)
     raise errors[0]
+
+
+def _unwound(rig: Rig, outputs: tuple[float, ...]) -> Array:
+    """The same outputs with a platform's angles within half a turn of upright."""
+    angles = {angle for platform in rig.platforms for angle in platform.angles}
+    pairs = zip(rig.outputs, outputs, strict=True)
+    return np.array([math.remainder(x, math.tau) if name in angles else x for name, x in pairs])
 
 
 def _ways(home: Array, start: Array) -> Iterator[Array]:

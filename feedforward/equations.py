@@ -141,7 +141,10 @@ def redundant(
         q[..., cos], q[..., sin] = np.cos(values[angle]), np.sin(values[angle])
         v[..., cos], v[..., sin] = -q[..., sin] * rates[angle], q[..., cos] * rates[angle]
     for orientation in equations.orientations:
-        angles = [[given[name] for name in orientation.angles] for given in (values, rates)]
+        angles = [
+            [np.broadcast_to(given[name], samples) for name in orientation.angles]
+            for given in (values, rates)
+        ]
         directors = np.swapaxes(matrix(np.moveaxis(np.array(angles), 1, -1)), -1, -2)
         columns = list(orientation.directors)
         q[..., columns], v[..., columns] = directors.reshape(2, *samples, 9)

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from ..models.errors import OptionError, PathError
 from ..models.rig import Drive, Frame, Rig, Rope
+from .branch import accept_columns
 from .checks import FloatArray, as_number
 from .inverse import solve
 from .motion import Motion, Slack
@@ -103,7 +104,7 @@ class Feasibility:
 
 
 @dataclass(frozen=True)
-class _AsSmooth:
+class AsSmooth:
     """A path that is taken to have as many continuous derivatives as `order` says."""
 
     path: Reference
@@ -145,8 +146,10 @@ def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
 
     Raises:
         RigError: the rig itself cannot be treated.
+        PathError: the path's columns are not the rig's outputs.
         OptionError: the rate is not > 0, or makes more than a million samples.
     """
+    accept_columns(rig, reference)
     needed = analyse(rig).reference_order
     times = instants(reference.duration, rate)
     problems = []
@@ -155,7 +158,7 @@ def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
         problems.append(
             f"the path has {reference.order} continuous derivatives, rig {rig.name} needs {needed}"
         )
-        path = _AsSmooth(reference, needed)
+        path = AsSmooth(reference, needed)
     endless = tuple(replace(rail, start=-math.inf, end=math.inf) for rail in rig.rails)
     try:
         motion = replace(solve(replace(rig, rails=endless), path, times), rig=rig)

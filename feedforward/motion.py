@@ -36,7 +36,8 @@ class Slack(NamedTuple):
 class Motion:
     """Everything about a rig at N instants, in SI units.
 
-    Angles are continuous in time.
+    Angles of frames are continuous in time; those of a platform, if nothing prescribes them, lie
+    within half a turn of upright.
     """
 
     rig: Rig

@@ -169,13 +169,13 @@ def clearance(
     if not obstacles:
         raise PathError("there is no obstacle to keep clear of")
     _check_radius("load_radius", load_radius)
-    times, step = instants(reference.duration, rate), math.inf
+    times = instants(reference.duration, rate)
+    step = times[1] - times[0]
     nearest = Clearance(math.inf, 0.0, "", "")
     for _ in range(1 + REFINEMENTS):
         motion = solve(rig, reference, times)
         found = _closest(motion, obstacles, float(load_radius), ropes)
         nearest = min(nearest, found, key=lambda one: one.distance)
-        step = min(step, times[1] - times[0])
         times = np.linspace(nearest.time - step, nearest.time + step, BETWEEN)
         times = np.clip(times, 0.0, reference.duration)
         step = 2.0 * step / (BETWEEN - 1)

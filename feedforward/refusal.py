@@ -52,7 +52,8 @@ def failure(
     unknowns = [analysis.unknowns[j] for j in analysis.blocks[guilty[0]][1]]
     words = list(dict.fromkeys(_in_words(rig, name) for name in unknowns))
     lost = " and ".join(words) if len(words) <= NAMED else f"{', '.join(words[:NAMED])}, ..."
-    reason = f"{lost} has no value there that continues the motion"
+    have = "has" if len(words) == 1 else "have"
+    reason = f"{lost} {have} no value there that continues the motion"
     return _refused(rig, when or f"at t = {times[first]:.4g} s", outputs[first], reason)
 
 
@@ -70,7 +71,7 @@ def _in_words(rig: Rig, unknown: str) -> str:
 
 
 def passing(equations: Equations, values: Array, times: Array, outputs: Array) -> PathError | None:
-    """The first place where a rope's span shrinks to nothing and reverses.
+    """The first place where a rope's span reverses: through nothing, or through infinity.
 
     Unknowns (unknowns, N) and outputs (N, outputs) at times (N,).
     """
@@ -81,10 +82,11 @@ def passing(equations: Equations, values: Array, times: Array, outputs: Array) -
             span = (equations.points[after] - equations.points[before]) @ state
             backwards = (span[:, 1:] * span[:, :-1]).sum(axis=0) < 0
             if backwards.any():
+                i = int(backwards.argmax())
+                size = np.linalg.norm(span[:, max(i - 1, 0) : i + 1], axis=0)
                 point = f"its own winch at {before}" if k == 0 else f"the point {before}"
-                found.append(
-                    (int(backwards.argmax()), f"rope {rope.name} would pass through {point}")
-                )
+                how = "grow beyond all bounds" if size[-1] > size[0] else f"pass through {point}"
+                found.append((i, f"rope {rope.name} would {how}"))
     if not found:
         return None
     first, reason = min(found)

@@ -30,6 +30,7 @@ def rivals(regulator: Regulator, starts: int = 48, seed: int = 0) -> Array:
     rest = np.array(list(regulator.rest_values.values()))
     names = list(regulator.rest_values)
     angles = {frame.coordinate for frame in rig.frames if frame.kind == "turning"}
+    angles |= {angle for platform in rig.platforms for angle in platform.angles}
     size = float(np.max(regulator.rest.rope_lengths))
     scale = np.array([1.0 if name in angles else size for name in names])
     still = dict.fromkeys(names, np.zeros(1))
@@ -48,8 +49,8 @@ def rivals(regulator: Regulator, starts: int = 48, seed: int = 0) -> Array:
     for _ in range(starts):
         solution = root(slope, rest + wide * draw.uniform(-2.0, 2.0, len(rest)), tol=1e-10)
         level = float(potential(np.atleast_2d(solution.x))[0])
-        away = np.abs((solution.x - rest) / scale).max()
+        away = abs(level) > BALANCED * rig.weight * size  # not the set point by other angles
         known = np.isclose(level, found, rtol=1e-3, atol=0.0).any()
-        if np.abs(solution.fun).max() < BALANCED and away > 1e-3 and not known:
+        if np.abs(solution.fun).max() < BALANCED and away and not known:
             found.append(level)
     return np.sort(found)

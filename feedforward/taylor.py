@@ -109,7 +109,7 @@ def _solve(step: Step, series: Series, reference: Array, guess: Array, follow: b
     if step.kind == "linear":
         return _linear(step, series, reference)
     if step.kind == "quadratic":
-        return _quadratic(step, series, reference, guess)
+        return _quadratic(step, series, reference, guess, follow)
     values, determinant, matrix = (_continuation if follow else _newton)(
         step, series, reference, guess
     )
@@ -153,14 +153,17 @@ def _residuals(step: Step, series: Series, reference: Array) -> Array:
 def _sign(determinant: Array, matrix: Array | None) -> Array:
     """Sign of the determinants (N,) of a block, 0 where it is singular to rounding.
 
-    A matrix (k, k, N) is measured by the product of its rows' sizes; a scalar, which has no
-    size of its own, by its largest value along the path.
+    A matrix (k, k, N) is measured by the product of its columns' sizes and of its rows' after
+    division by them, whatever the units of unknowns and equations; a scalar, which has no size of
+    its own, by its largest value along the path.
     """
     if matrix is None:
         finite = np.abs(determinant[np.isfinite(determinant)])
         bound = finite.max(initial=0.0)
     else:
-        bound = np.prod(np.abs(matrix).max(axis=1), axis=0)
+        size = np.abs(matrix)
+        columns = size.max(axis=0)
+        bound = np.prod(columns, axis=0) * np.prod((size / columns).max(axis=1), axis=0)
     regular = np.isfinite(determinant) & (np.abs(determinant) > SINGULAR * bound)
     return np.where(regular, np.sign(determinant), 0.0)
 
@@ -183,8 +186,11 @@ def _scalar(step: Step, series: Series, reference: Array) -> Solved:
     return np.atleast_1d(slope), None
 
 
-def _quadratic(step: Step, series: Series, reference: Array, guess: Array) -> Solved:
-    """Solve a w^2 + b w + c = 0 for the root on the guess's side of the vertex."""
+def _quadratic(step: Step, series: Series, reference: Array, guess: Array, follow: bool) -> Solved:
+    """Solve a w^2 + b w + c = 0 for the root on the guess's side of the vertex.
+
+    The vertex moves along a path, past the guess even; the side stays the first sample's.
+    """
     ((row, order),), ((j, _),) = step.rows, step.columns
     c = residual(row, order, series, reference)
     a = np.zeros_like(c)
@@ -198,6 +204,8 @@ def _quadratic(step: Step, series: Series, reference: Array, guess: Array) -> So
         if one == j:
             b += factor
     side = np.sign(2.0 * a * guess[j] + b)
+    if follow:
+        side = side[:1]
     determinant = side * np.sqrt(b * b - 4.0 * a * c)
     # Of the two forms of the root the one without cancellation.
     value = np.where(side * b > 0, -2.0 * c / (b + determinant), (determinant - b) / (2.0 * a))

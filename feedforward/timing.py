@@ -24,7 +24,7 @@ from typing import NamedTuple, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..models.errors import PathError, SmoothnessError
+from ..models.errors import OptionError, PathError, SmoothnessError
 from ..models.rig import Rig
 from .checks import FloatArray, as_number, check_derivative, check_duration, check_times
 from .feasibility import TAUT, driven_unit
@@ -179,13 +179,13 @@ def shortest_duration(
     Raises:
         RigError: the rig is not flat.
         SmoothnessError: the path is not smooth enough, in whatever time.
-        PathError: no duration is within the bounds, and the message says what is in the way; or
-            margin or share is out of range.
+        PathError: no duration is within the bounds, and the message says what is in the way.
+        OptionError: margin or share is out of range.
     """
     if not math.isfinite(as_number(margin)):
-        raise PathError(f"margin is {margin!r}, it must be a finite number [N]")
+        raise OptionError(f"margin is {margin!r}, it must be a finite number [N]")
     if not 0 < as_number(share) <= 1:
-        raise PathError(f"share is {share!r}, it must be above 0 and at most 1")
+        raise OptionError(f"share is {share!r}, it must be above 0 and at most 1")
     start, make = _family(path)
     bounds = _Bounds(rig, make, float(margin), float(share))
     finer = replace(bounds, samples=FINE)

@@ -80,8 +80,8 @@ def printed_move(rig: Rig | str) -> Move:
     name = full_name(rig.name if isinstance(rig, Rig) else rig)
     moves = PRINTED_MASSLESS_MOVES if _massless(name, rig) else PRINTED_MOVES
     if name not in moves:
-        known = ", ".join(moves)
-        raise RigError(f"rig {name} has no printed move that it cannot make; {known} has")
+        known = " and ".join(moves)
+        raise RigError(f"rig {name} has no printed move that it cannot make, only {known}")
     return moves[name]
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from .errors import PathError, RigError, did_you_mean
-from .values import number, sequence, word
+from .values import number, sequence, whole, word
 
 PROFILES = ("polynomial", "three_phase", "sampled")
 
@@ -47,16 +47,18 @@ class Move:
         if isinstance(self.order, bool) or not isinstance(self.order, int) or self.order < 0:
             raise PathError(f"move: order is {self.order!r}, it must be a whole number >= 0")
         if self.profile == "sampled":
+            if self.turning:
+                raise PathError("a sampled move's file says how it turns; leave `turning` out")
             if not self.samples:
                 raise PathError("a sampled move needs `samples`, the name of its CSV file")
             return
-        columns = set(range(len(self.start)))
         if not self.start or len(self.start) != len(self.goal):
             raise PathError(
                 f"start has {len(self.start)} values and goal {len(self.goal)}, "
                 "both need one for each output"
             )
-        if self.turning and not (len(self.turning) == 3 and set(self.turning) <= columns):
+        three = len(set(self.turning)) == len(self.turning) == 3
+        if self.turning and not (three and set(self.turning) <= set(range(len(self.start)))):
             raise PathError(
                 f"move: turning is {self.turning}, it must be three columns of 0 to "
                 f"{len(self.start) - 1}"
@@ -66,7 +68,8 @@ class Move:
 
     def _clean(self) -> None:
         """Make plain numbers and names of the fields."""
-        object.__setattr__(self, "turning", sequence("turning", self.turning))
+        turning = tuple(whole("turning", column) for column in sequence("turning", self.turning))
+        object.__setattr__(self, "turning", turning)
         for end in ("start", "goal"):
             values = tuple(number(end, value) for value in sequence(end, getattr(self, end)))
             object.__setattr__(self, end, values)

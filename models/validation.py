@@ -189,6 +189,8 @@ def _check_combination(rig: "Rig", combination: Combination) -> None:
     angles = [frame.coordinate for frame in rig.frames if frame.kind == "turning"]
     angles += [angle for platform in rig.platforms for angle in platform.angles]
     for name in combination.of:
+        if name in angles:
+            raise RigError(f"{label}: {name} is an angle, it must be a length or position")
         _known(label, name, [known for known in rig.coordinate_names if known not in angles])
 
 

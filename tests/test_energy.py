@@ -24,7 +24,8 @@ GAINS = {
 def regulator_of(name):
     rig = models.make(name)
     drives = np.arange(1, len(rig.drives) + 1)
-    return Regulator(rig, GAINS[name], tuple(100.0 * drives), tuple(50.0 * drives))
+    set_point = GAINS.get(name, models.default_move(name).start)
+    return Regulator(rig, set_point, tuple(100.0 * drives), tuple(50.0 * drives))
 
 
 def random_states(regulator, count=20):
@@ -129,7 +130,7 @@ def _energy_of(regulator, equations, q, v, a, h):
     return regulator.energy(values, rates)
 
 
-@pytest.mark.parametrize("name", GAINS)
+@pytest.mark.parametrize("name", [*GAINS, "cable_manipulator"])
 def test_energy_is_least_at_the_set_point(name):
     regulator = regulator_of(name)
     still = dict.fromkeys(regulator.rest_values, np.zeros(1))
@@ -138,6 +139,12 @@ def test_energy_is_least_at_the_set_point(name):
     assert_allclose(regulator.inputs(rest, still), regulator.rest.inputs, rtol=1e-9, atol=1e-9)
     values, _ = random_states(regulator)
     assert (regulator.energy(values, dict.fromkeys(rest, np.zeros(20))) > 0).all()
+
+
+def test_the_set_point_by_other_angles_is_no_other_rest():
+    """alpha + pi, pi - beta, gamma + pi turn a platform as alpha, beta, gamma do."""
+    levels = rivals(regulator_of("cable_manipulator"), starts=6)
+    assert (levels > 1.0).all()
 
 
 def test_the_other_rest_is_the_load_standing_on_its_rope():

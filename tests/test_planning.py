@@ -25,7 +25,7 @@ from flatrig.feedforward import (
     shortest_duration,
     three_phase,
 )
-from flatrig.models import PathError, RigError, SmoothnessError
+from flatrig.models import OptionError, PathError, RigError, SmoothnessError
 
 GRAVITY = 9.81
 LARGEST_SLOPE_CHANGE = np.abs(RestToRest(4).derivatives(np.linspace(0, 1, 100_001), 2)[2]).max()
@@ -331,7 +331,7 @@ def test_a_move_that_no_time_makes_possible_is_refused():
         shortest_duration(crane, rough)
     with pytest.raises(PathError, match=r"even in .* cannot follow the path"):
         shortest_duration(crane, rest_to_rest((0, -4), (5, 1), 3.0))
-    with pytest.raises(PathError, match=r"share is 1\.5"):
+    with pytest.raises(OptionError, match=r"share is 1\.5"):
         shortest_duration(crane, rough, share=1.5)
-    with pytest.raises(PathError, match="margin is nan"):
+    with pytest.raises(OptionError, match="margin is nan"):
         shortest_duration(crane, rough, margin=np.nan)

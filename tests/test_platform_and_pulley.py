@@ -63,6 +63,23 @@ def test_a_turn_through_the_singular_place_of_its_angles_is_refused():
         fixed_axis(path, (0, 1, 3))
 
 
+def test_a_platform_may_start_whole_turns_away():
+    rig, move = models.cable_manipulator(), MANIPULATOR_MOVES["turn"]
+    turns = np.array([0, 0, 0, 1, -2, 3, 0]) * 2 * np.pi
+    plain = rest_to_rest(move.start, move.goal, 10.0)
+    wound = rest_to_rest(move.start + turns, move.goal + turns, 10.0)
+    times = np.linspace(0, 10, 21)
+    assert_allclose(solve(rig, wound, times).inputs, solve(rig, plain, times).inputs, atol=1e-9)
+
+
+@pytest.mark.parametrize("columns", [(5, 4, 3), (0, 1, 2), (3, 4, 6)])
+def test_only_a_platforms_angles_turn_about_a_fixed_axis(columns):
+    rig = models.cable_manipulator()
+    path = from_move(replace(MANIPULATOR_MOVES["line and turn"], turning=columns))
+    with pytest.raises(PathError, match="must be the angles alpha, beta and gamma of a platform"):
+        solve(rig, path, 0.0)
+
+
 def test_angles_of_a_platform_are_prescribed_together():
     rig = models.cable_manipulator()
     outputs = tuple(name for name in rig.outputs if name != "platform.beta")

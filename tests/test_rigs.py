@@ -13,12 +13,14 @@ from flatrig.feedforward import from_move, solve
 from flatrig.models import (
     CATALOGUE,
     Anchor,
+    Combination,
     Drive,
     Frame,
     Load,
     Move,
     OutputError,
     PathError,
+    Platform,
     Rail,
     RigError,
     Rope,
@@ -127,6 +129,42 @@ def test_validation_names_what_is_wrong(fields, message):
         change(**fields)
     assert message in str(error.value)
     assert "\n" not in str(error.value)
+
+
+MANIPULATOR = models.cable_manipulator()
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"inertia": (1.0, 1.0, 3.0)}, "no moment can exceed the sum of the others"),
+        ({"inertia": (1.0, 0.0, 1.0)}, "a principal moment of inertia is 0 kg m2"),
+        ({"inertia": (1.0, 1.0)}, "inertia has 2 numbers, it needs 3"),
+        ({"mass": 0.0}, "platform platform: mass is 0 kg"),
+    ],
+)
+def test_a_platform_has_mass_and_possible_moments_of_inertia(fields, message):
+    platform = Platform("platform", 12.5, (0.75, 0.75, 1.5))
+    trolleys = MANIPULATOR.trolleys
+    with pytest.raises(RigError) as error:
+        change(MANIPULATOR, masses=(*trolleys, dataclasses.replace(platform, **fields)))
+    assert message in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("of", "factors", "message"),
+    [
+        (("trolley_1.position",), (1, 2), "it needs one factor for each coordinate"),
+        ((), (), "it needs one factor for each coordinate"),
+        (("platform.alpha",), (1,), "platform.alpha is an angle, it must be a length or position"),
+        (("trolley_1.positon",), (1,), "did you mean trolley_1.position"),
+        (("trolley_1.position",), (math.inf,), "factors is inf"),
+    ],
+)
+def test_a_combination_sums_what_can_be_summed(of, factors, message):
+    with pytest.raises(RigError) as error:
+        change(MANIPULATOR, combinations=(Combination("spread", of, factors),))
+    assert message in str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -245,6 +283,9 @@ def test_wrong_toml_is_one_clear_line(text, message):
     assert "\n" not in str(error.value)
 
 
+THREE = "start = [0, 0, 0]\ngoal = [1, 1, 1]\nduration = 1\n"
+
+
 def test_wrong_moves_are_one_clear_line(tmp_path):
     for text, message in [
         ("start = [0, -4]\ngoal = [5, -1]\nduration = 0", "duration is 0 s, it must be > 0"),
@@ -252,6 +293,11 @@ def test_wrong_moves_are_one_clear_line(tmp_path):
         ("start = [0]\ngoal = [5, -1]\nduration = 1", "start has 1 values and goal 2"),
         ('start = [0]\ngoal = [5]\nduration = 1\nprofile = "bang"', "there is no profile 'bang'"),
         ('profile = "sampled"', "needs `samples`"),
+        ('profile = "sampled"\nsamples = "a.csv"\nturning = [0, 1, 2]', "leave `turning` out"),
+        (f"{THREE}turning = [0, 1, 1]", "turning is (0, 1, 1), it must be three columns of 0 to 2"),
+        (f"{THREE}turning = [0, 1]", "it must be three columns of 0 to 2"),
+        (f"{THREE}turning = [0, 1, 1.5]", "turning is 1.5, it must be a whole number"),
+        (f"{THREE}turning = [0, 1, [2]]", "turning is [2], it must be a number"),
         ("begin = [0]", "unknown entry 'begin'"),
         ('start = ["a"]\ngoal = [5]\nduration = 1', "start is 'a', it must be a number"),
         ('start = [1]\ngoal = [5]\nduration = "long"', "duration is 'long', it must be a number"),

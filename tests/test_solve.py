@@ -132,6 +132,17 @@ def test_structure(name):
     assert analysis.degrees_of_freedom == 0
 
 
+@pytest.mark.parametrize("name", models.CATALOGUE)
+def test_the_way_back_takes_the_same_inputs(name):
+    """Without friction time has no direction, however the ropes grow and shrink on the way."""
+    rig, move = models.make(name), models.default_move(name)
+    back = dataclasses.replace(move, start=move.goal, goal=move.start)
+    times = np.linspace(0, move.duration, 101)
+    there, home = (solve(rig, feedforward.from_move(m), times) for m in (move, back))
+    close(home.inputs, there.inputs[::-1])
+    close(home.tensions, there.tensions[::-1])
+
+
 def test_samples_do_not_depend_on_each_other():
     rig = models.rotary_crane()
     times = np.array([13.0, 2.0, 19.5, 2.0, 0.0])
@@ -235,6 +246,13 @@ def test_refuses_free_fall():
         solve(models.overhead_crane(), path, np.linspace(0, 1.5, 301))
 
 
+def test_refuses_a_rope_whose_winch_would_have_to_be_infinitely_far_away():
+    """The load falls sideways: nothing but a horizontal rope of endless length does not lift it."""
+    path = rest_to_rest((0, -4), (5, -1), duration=0.1)
+    with pytest.raises(PathError, match="rope hoist would grow beyond all bounds"):
+        solve(models.overhead_crane(), path, [0.0])
+
+
 def test_refuses_a_trolley_beyond_its_rail():
     path = rest_to_rest((0, -4), (9, -4), duration=10.0)
     with pytest.raises(PathError, match=r"trolley is at 8.* rail beam goes from -2 m to 8 m"):
@@ -248,6 +266,8 @@ def test_refuses_a_path_through_the_tower():
 
 
 def test_refuses_the_wrong_number_of_columns_and_bad_times():
+    with pytest.raises(PathError, match=r"the reference is a Move, .*from_move makes one"):
+        solve(models.overhead_crane(), models.default_move("overhead"), [0.0])
     with pytest.raises(PathError, match=r"has 3 columns.*needs 2: load.x, load.z"):
         solve(models.overhead_crane(), ROTARY, [0.0])
     for times, message in [
