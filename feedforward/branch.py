@@ -87,43 +87,62 @@ def branch_of(rig: Rig, reference: Reference) -> Branch:
     steps = plan(analysis)
     arrived = approach(rig, tuple(np.asarray(reference.start).tolist()))
     signs = {block: float(sign[0]) for block, sign in arrived.signs.items()}
-    values = _values(arrived)
-    turned = {
-        name: np.unwrap(np.arctan2(values[sin], values[cos]))[-1]
-        for name, cos, sin in equations.turning
-    }
-    start = values[:, -1:]
+    start = _values(arrived)[:, -1:]
     if any(step.loose for step in steps):
         start = _limit(rig, reference, analysis, steps, start)
-    errors = []
-    for samples in GRIDS:
-        times = np.linspace(0.0, reference.duration, samples)
-        taylor = taylor_of(reference, times, _order(analysis))
-        solution = expand(steps, len(start), prescribe(rig, taylor), start, follow=True)
-        error = failure(rig, analysis, solution, signs, times, taylor[0])
-        error = passing(equations, _values(solution), times, taylor[0]) or error
-        if error is None:
-            break
-        errors.append(error)
-    else:
-        raise errors[-1]
+    times, solution = _follow(rig, reference, analysis, steps, signs, start)
     path = _values(solution)
-    if np.ptp(taylor[0], axis=0).any() and solution.straight.mean() > MOSTLY:
-        raise PathError(
-            f"rig {rig.name} cannot follow the path: a pulley without mass hangs straight below "
-            "its winch all along and nothing determines its place; move sideways or give it a mass"
-        )
     stay_on_rails(rig, equations.names, path, times)
     rates = np.gradient(path, times[1], axis=1)
     for j, coefficients in enumerate(solution.series):
         if len(coefficients) > 1:
             rates[j] = coefficients[1]
     angles = {}
-    for name, cos, sin in equations.turning:
-        angle = np.unwrap(np.arctan2(path[sin], path[cos]))
-        full = 2.0 * np.pi * np.round((turned[name] - angle[0]) / (2.0 * np.pi))
-        angles[name] = angle + full
+    for name, angle in _angles(equations, path).items():
+        turned = _angles(equations, _values(arrived))[name][-1]
+        angles[name] = angle + 2.0 * np.pi * np.round((turned - angle[0]) / (2.0 * np.pi))
     return Branch(rig, analysis, steps, signs, times, path, rates, angles)
+
+
+def _follow(
+    rig: Rig,
+    reference: Reference,
+    analysis: Analysis,
+    steps: tuple[Step, ...],
+    signs: dict[int, float],
+    start: Array,
+) -> tuple[Array, Solution]:
+    """Instants along the path, as many as are needed, and the solution there.
+
+    Raises:
+        PathError: there is none that continues the start.
+    """
+    errors = []
+    for samples in GRIDS:
+        times = np.linspace(0.0, reference.duration, samples)
+        taylor = taylor_of(reference, times, _order(analysis))
+        solution = expand(steps, len(start), prescribe(rig, taylor), start, follow=True)
+        error = failure(rig, analysis, solution, signs, times, taylor[0])
+        error = passing(equations_of(rig), _values(solution), times, taylor[0]) or error
+        if error is None:
+            break
+        errors.append(error)
+    else:
+        raise errors[-1]
+    if np.ptp(taylor[0], axis=0).any() and solution.straight.mean() > MOSTLY:
+        raise PathError(
+            f"rig {rig.name} cannot follow the path: a pulley without mass hangs straight below "
+            "its winch all along and nothing determines its place; move sideways or give it a mass"
+        )
+    return times, solution
+
+
+def _angles(equations: Equations, values: Array) -> dict[str, Array]:
+    """Continuous angles (N,) of the turning frames from unknowns (unknowns, N)."""
+    return {
+        name: np.unwrap(np.arctan2(values[sin], values[cos]))
+        for name, cos, sin in equations.turning
+    }
 
 
 def _limit(

@@ -112,24 +112,30 @@ class AsSmooth:
 
     @property
     def duration(self) -> float:
+        """As of the path [s]."""
         return self.path.duration
 
     @property
     def size(self) -> int:
+        """Number of columns."""
         return self.path.size
 
     @property
     def start(self) -> FloatArray:
+        """Shape (size,)."""
         return self.path.start
 
     @property
     def goal(self) -> FloatArray:
+        """Shape (size,)."""
         return self.path.goal
 
     def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
+        """Those of the path, one-sided where it is not smooth.  Shape (order+1, N, size)."""
         return self.path.derivatives(times, order)
 
     def __call__(self, times: ArrayLike) -> FloatArray:
+        """Values at `times` (N,), shape (N, size)."""
         return self.path(times)
 
 

@@ -24,7 +24,14 @@ from rich.table import Table
 
 from ..feedforward import Regulator
 from ..feedforward.rivals import rivals
-from ..models import cantilever_crane, gantry_crane, navy_crane_2d, overhead_crane, rotary_crane
+from ..models import (
+    OptionError,
+    cantilever_crane,
+    gantry_crane,
+    navy_crane_2d,
+    overhead_crane,
+    rotary_crane,
+)
 from . import console, kiss_crane, sheets
 from .closed_loop import Course, closed_loop
 
@@ -36,6 +43,8 @@ ROUNDING = 1e-12
 """A smaller rise of W is none."""
 CONVERGED = 0.01
 """A run has converged if the load is nearer than this share of the farthest start."""
+DRAWS = 50
+"""Times that initial states are drawn, as many at once as there are to be runs."""
 SAMPLES = 200
 """Of each run, at which W is looked at."""
 
@@ -109,10 +118,14 @@ def study(case: Case, runs: int = RUNS, seed: int = 0) -> Outcome:
 def initial_states(
     case: Case, regulator: Regulator, rival: float, runs: int, seed: int
 ) -> tuple[Columns, Columns]:
-    """Values and rates, each (runs,) by name, with taut ropes and an energy below `rival`."""
+    """Values and rates, each (runs,) by name, with taut ropes and an energy below `rival`.
+
+    Raises:
+        OptionError: too few of the states drawn are such.
+    """
     draw = np.random.default_rng(seed)
     kept: list[tuple[Columns, Columns]] = []
-    while sum(len(next(iter(values.values()))) for values, _ in kept) < runs:
+    for _ in range(DRAWS):
         values, rates = _about(case, regulator, draw, runs)
         if case.massless is not None:
             _balance_pulley(regulator, values, rates)
@@ -121,6 +134,13 @@ def initial_states(
         )
         good = (first.tensions[0] > 0).all(axis=1) & (regulator.energy(values, rates) < rival)
         kept.append((_pick(values, good), _pick(rates, good)))
+        if sum(len(next(iter(values.values()))) for values, _ in kept) >= runs:
+            break
+    else:
+        raise OptionError(
+            f"rig {regulator.rig.name}: too few of {DRAWS * runs} random states have taut ropes; draw them "
+            "from nearer the rest"
+        )
     values, rates = (
         {name: np.concatenate([part[i][name] for part in kept])[:runs] for name in kept[0][i]}
         for i in (0, 1)
