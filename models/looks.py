@@ -141,7 +141,7 @@ def rail_ends(rig: Rig, rail: Rail, reach: float) -> tuple[float, float]:
 def prepare(scene: mujoco.MjSpec, rig: Rig) -> None:
     """Materials, classes, light, floor and cameras; before the bodies are made."""
     size = sizes(rig)
-    _picture(scene, size)
+    picture(scene, size)
     scene.default.site.group = 3  # hidden
     scene.default.site.size = [_round(0.1 * size.unit)] * 3
     scene.default.tendon.width = _round(0.07 * size.unit)
@@ -154,13 +154,14 @@ def prepare(scene: mujoco.MjSpec, rig: Rig) -> None:
         scene.add_material(name=name, rgba=[*colour, 1], specular=shine, shininess=shine)
         if name not in ROPES:
             scene.add_default(name, visual).geom.material = name
-    _floor(scene, size)
-    _lights(scene, size)
+    floor(scene, size)
+    lights(scene, size)
     for name, towards in VIEWS.items():
-        _camera(scene, name, np.array(towards), size.cloud)
+        camera(scene, name, np.array(towards), size.cloud)
 
 
-def _picture(scene: mujoco.MjSpec, size: Sizes) -> None:
+def picture(scene: mujoco.MjSpec, size: Sizes) -> None:
+    """Size of pictures, shadows, ambient light and sky."""
     scene.visual.global_.offwidth, scene.visual.global_.offheight = 1920, 1080
     scene.visual.quality.shadowsize = 4096
     scene.visual.map.shadowclip = 3  # wide enough for no stray shadow on the floor
@@ -180,7 +181,8 @@ def _picture(scene: mujoco.MjSpec, size: Sizes) -> None:
     )
 
 
-def _floor(scene: mujoco.MjSpec, size: Sizes) -> None:
+def floor(scene: mujoco.MjSpec, size: Sizes, square: float = 1.0) -> None:
+    """A floor of squares of a given width [m]."""
     scene.add_texture(
         name="floor",
         type=mujoco.mjtTexture.mjTEXTURE_2D,
@@ -192,8 +194,7 @@ def _floor(scene: mujoco.MjSpec, size: Sizes) -> None:
         width=256,
         height=256,
     )
-    # one square a metre
-    material = scene.add_material(name="floor", texuniform=True, texrepeat=[1, 1])
+    material = scene.add_material(name="floor", texuniform=True, texrepeat=[1 / square] * 2)
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
     scene.worldbody.add_geom(
         scene.find_default("visual"),
@@ -205,7 +206,8 @@ def _floor(scene: mujoco.MjSpec, size: Sizes) -> None:
     )
 
 
-def _lights(scene: mujoco.MjSpec, size: Sizes) -> None:
+def lights(scene: mujoco.MjSpec, size: Sizes) -> None:
+    """One sun."""
     scene.worldbody.add_light(
         name="sun",
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
@@ -217,7 +219,7 @@ def _lights(scene: mujoco.MjSpec, size: Sizes) -> None:
     )
 
 
-def _camera(scene: mujoco.MjSpec, name: str, towards: Array, cloud: Array) -> None:
+def camera(scene: mujoco.MjSpec, name: str, towards: Array, cloud: Array) -> None:
     """A camera that looks along `towards`, as near as it can be and still see the whole cloud.
 
     In its axes (right r, up u, towards t) a point p is in the picture of a camera at c if

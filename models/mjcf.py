@@ -9,7 +9,8 @@ load is a point mass on two or three slides, a platform a rigid body on three sl
 hinges (`flatrig.models.chain` says on which body).  A sheave with inertia adds a second tendon
 along the rest of its rope, whose rate is the rope's speed over the sheave.  A rope's last span
 counts as often as it has falls.  Inputs are not clipped; rails do not end; ropes never go slack,
-they push instead: whoever steps the model looks at `flatrig.models.state.tensions`.
+they push instead: whoever steps the model looks at `flatrig.models.state.tensions`.  Ropes that
+stretch, or do go slack, are another choice: `flatrig.models.ropes`.
 
 A load without mass, such as the ideal free pulley, cannot be a body of MuJoCo: `massless` is the
 mass that stands in for it, without weight.  The model is then a limit: a load's error falls in
@@ -25,25 +26,31 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
-from . import dressing, looks, rigging
+from . import dressing, looks, rigging, spools
 from .armature import check, tendon_jacobian
 from .chain import Link, Part, links
 from .errors import ModelError, did_you_mean
 from .rig import WORLD, Frame, Platform, Rig, Trolley
-from .state import State, coordinates, joint_state, points, tensions
+from .ropes import Ropes, chosen, stretch_of, stretches
+from .state import State, coordinates, joint_state, paid_out, points, tensions
 
 __all__ = [
     "INTEGRATORS",
+    "Ropes",
     "State",
     "check",
     "compile",
     "coordinates",
     "joint_state",
+    "paid_out",
     "points",
     "spec",
     "tensions",
 ]
+
+Array = NDArray[np.float64]
 
 INTEGRATORS = {
     name.removeprefix("mjINT_"): value for name, value in mujoco.mjtIntegrator.__members__.items()
@@ -55,6 +62,10 @@ POINT_INERTIA = 1e-12
 
 LARGEST_SHARE = 0.1
 """Largest mass that may stand in for none, over that of all loads."""
+
+MEMORY = (65536, 1024)
+"""Scratch memory of the bare physics [bytes], and for each square of its degrees of freedom: ten
+times what it takes with all constraints on, and a hundredth of what MuJoCo would reserve."""
 
 FRAME_MASS = 1e-9
 """Mass of a turning frame's body [kg], whose inertia is its joint's armature."""
@@ -68,6 +79,7 @@ def compile(
     visuals: bool = True,
     friction: bool = False,
     massless: float | None = None,
+    ropes: str | Ropes = "rigid",
 ) -> mujoco.MjModel:
     """The rig's MuJoCo model, checked for dropped inertia.
 
@@ -86,6 +98,8 @@ def compile(
         set at run time; costs time.
     massless
         Stands in for the mass of loads that have none [kg]; None refuses them.
+    ropes
+        "rigid", "elastic", "slack", or `Ropes` with their numbers.
 
     Raises
     ------
@@ -99,7 +113,11 @@ def compile(
         visuals=visuals,
         friction=friction,
         massless=massless,
+        ropes=ropes,
     )
+    if not visuals:
+        freedoms = len(scene.joints)
+        scene.memory = MEMORY[0] + MEMORY[1] * freedoms**2
     model = scene.compile()
     check(model)
     return model
@@ -113,6 +131,7 @@ def spec(
     visuals: bool = True,
     friction: bool = False,
     massless: float | None = None,
+    ropes: str | Ropes = "rigid",
 ) -> mujoco.MjSpec:
     """The same as an editable `mujoco.MjSpec`; parameters and errors as `compile`."""
     scene = mujoco.MjSpec()
@@ -125,6 +144,9 @@ def spec(
     if visuals:
         looks.prepare(scene, rig)
     _check_masses(rig, massless)
+    made = chosen(ropes, rig)
+    if made.spooled:
+        spools.allow(scene, rig, made, friction)
     bodies = {WORLD: scene.worldbody}
     for link in links(rig):
         bodies[link.name] = _body(bodies[link.parent.name if link.parent else WORLD], link, rig)
@@ -135,20 +157,31 @@ def spec(
         bodies[anchor.frame].add_site(name=anchor.name, pos=anchor.position)
     for link in links(rig):
         rigging.add_sum(scene, link)
+    paid = spools.add(scene, rig, made) if made.spooled else []
     for rope in rig.ropes:
-        rigging.add_rope(scene, rope)
+        if not made.spooled or visuals:
+            inertia = 0.0 if made.spooled else rope.inertia_along
+            rigging.lay(scene, rope.name, rope.path, rope.falls, inertia)
+        rigging.add_sheaves(scene, rope)
     for drive in rig.drives:
         rigging.add_motor(scene, rig, drive.name, drive.limit, rig.driven(drive))
     if visuals:
         dressing.dress(scene, rig, bodies)
         rigging.add_sensors(scene, rig)
     home = [value for link in links(rig) for value in link.home]
-    scene.add_key(name="home", qpos=home, ctrl=np.zeros(len(rig.drives)))
+    scene.add_key(name="home", qpos=home + paid, ctrl=np.zeros(len(rig.drives)))
     try:
-        scene.key("home").ctrl = _holding_inputs(scene.compile())
+        model = scene.compile()
     except (ValueError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
         raise ModelError(f"MuJoCo refuses the model of rig {rig.name}: {reason}") from None
+    held = [rope for rope in rig.ropes if made.spooled]
+    inputs, pulls = _holding_inputs(model, [stretch_of(rope) for rope in held])
+    scene.key("home").ctrl = inputs
+    if held:
+        stretched = np.array(paid) - stretches(rig, model, pulls)
+        scene.key("home").qpos = np.array([*home, *stretched])
+        spools.settle(scene, rig, made, model)
     return scene
 
 
@@ -223,12 +256,15 @@ def _axis(rig: Rig, part: Part, joint: str) -> list[float]:
     return [float(turns.get(letter, letter) == axis) for axis in "xyz"]
 
 
-def _holding_inputs(model: mujoco.MjModel) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Inputs that hold the first keyframe at rest, or the nearest to it (least squares)."""
+def _holding_inputs(model: mujoco.MjModel, held: list[str]) -> tuple[Array, Array]:
+    """Inputs, and tensions of the tendons `held`, that keep the first keyframe at rest.
+
+    Where none do, those that come nearest (least squares).
+    """
     data = mujoco.MjData(model)
     data.qpos[:] = model.key_qpos[0]
     mujoco.mj_forward(model, data)
-    effect = np.zeros((model.nv, model.nu))
+    effect = np.zeros((model.nv, model.nu + len(held)))
     jacobian = tendon_jacobian(model, data)
     for index in range(model.nu):
         target = model.actuator_trnid[index, 0]
@@ -236,5 +272,8 @@ def _holding_inputs(model: mujoco.MjModel) -> np.ndarray[Any, np.dtype[np.float6
         if model.actuator_trntype[index] == mujoco.mjtTrn.mjTRN_TENDON:
             column = jacobian[target]
         effect[:, index] = model.actuator_gear[index, 0] * column
-    inputs = np.linalg.lstsq(effect, data.qfrc_bias, rcond=None)[0]
-    return np.array([round(float(value), 9) + 0.0 for value in inputs])
+    for column, name in enumerate(held, start=model.nu):
+        effect[:, column] = -jacobian[model.tendon(name).id]
+    found = np.linalg.lstsq(effect, data.qfrc_bias, rcond=None)[0]
+    rounded = np.array([round(float(value), 9) + 0.0 for value in found])
+    return rounded[: model.nu], rounded[model.nu :]

@@ -10,6 +10,9 @@ from .state import State
 
 Array = NDArray[np.float64]
 
+LOG = "MUJOCO_LOG.TXT"
+"""MuJoCo's log where nobody has asked for another."""
+
 
 def run(model: mujoco.MjModel, qpos: ArrayLike, qvel: ArrayLike, controls: ArrayLike) -> State:
     """Step a model, holding one row of inputs for each step.
@@ -44,6 +47,7 @@ def run(model: mujoco.MjModel, qpos: ArrayLike, qvel: ArrayLike, controls: Array
     start = State(position[None], velocity[None])
     if len(inputs) == 0:
         return start
+    leave_no_log()
     batch = Batch(model, nsim=1, nthread=1)
     batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
     batch.qpos, batch.qvel = position, velocity
@@ -57,6 +61,14 @@ def run(model: mujoco.MjModel, qpos: ArrayLike, qvel: ArrayLike, controls: Array
         np.concatenate([start.qpos, record["qpos"][0]]),
         np.concatenate([start.qvel, record["qvel"][0]]),
     )
+
+
+def leave_no_log() -> None:
+    """Keep MuJoCo from writing its warnings to a file in the user's folder, too."""
+    log = mujoco.MjLogConfig.get()
+    if log.logfile == LOG:
+        log.logto_file = False
+        log.set()
 
 
 def _numbers(name: str, value: ArrayLike) -> Array:

@@ -17,7 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from .chain import Link, joint_names, links
 from .errors import ModelError
 from .given import gather
+from .lengths import rope_lengths
+from .lengths import spans as spans
 from .rig import Frame, Load, Platform, Rig, Trolley, Vector
+from .ropes import reach, stretches
 from .turning import carry, turn
 
 Array = NDArray[np.float64]
@@ -47,6 +50,7 @@ def joint_state(
     model: Any,
     coordinates: Mapping[str, ArrayLike],
     rates: Mapping[str, ArrayLike] | None = None,
+    tensions: ArrayLike = 0.0,
 ) -> State:
     """Joint positions and velocities of the model where the rig's coordinates have these values.
 
@@ -58,6 +62,8 @@ def joint_state(
             those of ropes, of their spans, and of trolleys in the world ("trolley.x") follow
             and are left aside.
         rates: their rates; what is left out is at rest.
+        tensions: by which ropes that can stretch are stretched, and stay so, (N, ropes) or one
+            number [N].
 
     Raises:
         ModelError: a coordinate is missing, unknown or not finite, shapes do not match, or the
@@ -86,7 +92,12 @@ def joint_state(
             if isinstance(part, Platform):
                 columns |= {name: motion[name] for name in part.angles}
     qpos, qvel = np.stack([columns[name] for name in joint_names(rig)], axis=-1)
-    return State(qpos, qvel)
+    if model.nq == qpos.shape[-1]:
+        return State(qpos, qvel)
+    ways = rope_lengths(rig, points(rig, qpos, qvel))
+    paid, speeds = np.stack([ways[rope.name] for rope in rig.ropes], axis=-1)
+    paid = np.broadcast_to(paid - stretches(rig, model, tensions), paid.shape)
+    return State(np.concatenate([qpos, paid], -1), np.concatenate([qvel, speeds], -1))
 
 
 def points(
@@ -131,38 +142,6 @@ def points(
     return world
 
 
-def spans(rig: Rig, motion: Mapping[str, Array]) -> dict[str, Array]:
-    """Lengths of the spans of each rope and their derivatives, each (orders, N, spans) [m].
-
-    `motion` is what `points` returns.  A span without length has no direction: its derivatives
-    are given as zero.
-    """
-    found = {}
-    for rope in rig.ropes:
-        path = np.stack([motion[name] for name in rope.path])
-        step = np.moveaxis(path[1:] - path[:-1], 0, -2)  # (orders, N, spans, 3)
-        length = np.linalg.norm(step[0], axis=-1)
-        inverse = np.divide(1.0, length, out=np.zeros_like(length), where=length > 0)
-        unit = step[0] * inverse[..., None]
-        lengths = [length, (unit * step[1]).sum(-1)]
-        if len(step) > 2:
-            across = (step[1] ** 2).sum(-1) - lengths[1] ** 2
-            lengths.append((unit * step[2]).sum(-1) + across * inverse)
-        found[rope.name] = np.stack(lengths)
-    return found
-
-
-def rope_lengths(rig: Rig, motion: Mapping[str, Array]) -> dict[str, Array]:
-    """Whole length of each rope and its derivatives, each (orders, N) [m].
-
-    The last span counts once for each fall.  `motion` is what `points` returns.
-    """
-    return {
-        rope.name: lengths[..., :-1].sum(-1) + rope.falls * lengths[..., -1]
-        for rope, lengths in zip(rig.ropes, spans(rig, motion).values(), strict=True)
-    }
-
-
 def coordinates(rig: Rig, model: Any, state: HasState) -> tuple[dict[str, Array], dict[str, Array]]:
     """Values and rates of all the rig's coordinates, each (N,), by `rig.coordinate_names`.
 
@@ -196,6 +175,32 @@ def coordinates(rig: Rig, model: Any, state: HasState) -> tuple[dict[str, Array]
     return values, {name: found[name][1].copy() for name in rig.coordinate_names}
 
 
+def paid_out(
+    rig: Rig, qpos: ArrayLike, qvel: ArrayLike, qacc: ArrayLike | None = None
+) -> dict[str, Array]:
+    """Rope that each winch has paid out, with its derivatives, each (orders, N) [m].
+
+    A rigid rope's is the length of its way; arguments as of `points`.
+
+    Raises:
+        ModelError: a spool has paid out more than it holds, and the model is no longer true.
+    """
+    given = [qpos, qvel] if qacc is None else [qpos, qvel, qacc]
+    joints = np.stack([np.asarray(value, dtype=float) for value in given])
+    first = len(joint_names(rig))
+    if joints.shape[-1] == first:
+        return rope_lengths(rig, points(rig, qpos, qvel, qacc))
+    found = {rope.name: joints[..., first + i] for i, rope in enumerate(rig.ropes)}
+    for rope in rig.ropes:
+        most = found[rope.name][0].max(initial=0.0)
+        if most >= reach(rig, rope):
+            raise ModelError(
+                f"rope {rope.name}: {most:.4g} m are paid out, its spool holds "
+                f"{reach(rig, rope):.4g} m; hold the winch, or make the rope longer at home"
+            )
+    return found
+
+
 def tensions(
     rig: Rig,
     qpos: ArrayLike,
@@ -206,8 +211,9 @@ def tensions(
 ) -> Array:
     """Tension of each rope where it leaves its winch, (N, ropes) [N]; a rope cannot push.
 
-    T = (J/r^2) d2L/dt2 - u/r - F with the winch's torque u and the force F of friction along the
-    rope's length (as MuJoCo has it: negative while the winch pays out).
+    T = (J/r^2) w'' - u/r - F with the length w that is paid out (of a rigid rope: its length), the
+    winch's torque u and the force F of friction along w (as MuJoCo has it: negative while the winch
+    pays out).  True of rigid, elastic and slack ropes alike.
 
     Parameters:
         rig: the description.
@@ -215,7 +221,7 @@ def tensions(
         ctrl: inputs, (N, drives), in the order of `rig.drives`.
         friction: forces of friction, (N, ropes) or a number [N].
     """
-    lengths = rope_lengths(rig, points(rig, qpos, qvel, qacc))
+    lengths = paid_out(rig, qpos, qvel, qacc)
     inputs = np.asarray(ctrl, dtype=float)
     columns = {drive.on: index for index, drive in enumerate(rig.drives)}
     found = []
@@ -229,7 +235,7 @@ def tensions(
 
 
 def _same(rig: Rig, model: Any) -> None:
-    if model.nq != len(joint_names(rig)):
+    if model.nq not in (len(joint_names(rig)), len(joint_names(rig)) + len(rig.ropes)):
         raise ModelError(
             f"the model has {model.nq} joints, rig {rig.name} has {len(joint_names(rig))}; "
             "use the model compiled from this rig"

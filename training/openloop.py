@@ -1,5 +1,6 @@
 """The move as exact feedforward makes it in MuJoCo: nothing measured, nothing corrected."""
 
+import time
 from dataclasses import dataclass
 
 import mujoco
@@ -7,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..feedforward import Motion, Reference, solve
-from ..models import Rig, mjcf
+from ..models import Rig, Ropes, mjcf
 from ..models.run import accelerations, run
 from ..models.state import points
 
@@ -36,6 +37,8 @@ class OpenLoop:
     """What `solve` says at the same instants."""
     model: mujoco.MjModel
     """The one that ran."""
+    seconds: float
+    """Spent on its steps."""
 
     def tensions(self) -> Array:
         """Of the ropes in MuJoCo under the exact inputs of each instant, (K + 1, ropes) [N]."""
@@ -49,12 +52,48 @@ class OpenLoop:
         return np.concatenate(found)
 
 
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A move's exact motion and inputs for one time step, ready for any model of the rig."""
+
+    times: Array
+    """[s], shape (K + 1,)."""
+    motion: Motion
+    """At these times."""
+    inputs: Array
+    """At the middle of each step, shape (K, drives)."""
+
+    def run(self, model: mujoco.MjModel) -> OpenLoop:
+        """The move in a model of that time step.
+
+        Raises:
+            ModelError: the simulation breaks down.
+        """
+        motion = self.motion
+        start = dict(zip(motion.coordinate_names, motion.positions[0], strict=True))
+        first = mjcf.joint_state(motion.rig, model, start, tensions=motion.tensions[0])
+        begin = time.perf_counter()
+        state = run(model, first.qpos, first.qvel, self.inputs)
+        seconds = time.perf_counter() - begin
+        distance = _distance(motion, state.qpos)
+        return OpenLoop(self.times, state.qpos, state.qvel, distance, motion, model, seconds)
+
+
+def prepare(rig: Rig, reference: Reference, timestep: float, hold: float = 0.0) -> Prepared:
+    """Solve a move for held inputs; parameters and errors as `open_loop`."""
+    steps = round((reference.duration + hold) / timestep)
+    times = np.arange(steps + 1, dtype=np.float64) * timestep
+    inputs = solve(rig, reference, times[:-1] + 0.5 * timestep).inputs
+    return Prepared(times, solve(rig, reference, times), inputs)
+
+
 def open_loop(
     rig: Rig,
     reference: Reference,
     timestep: float = 1e-3,
     hold: float = 0.0,
     massless: float | None = None,
+    ropes: str | Ropes = "rigid",
 ) -> OpenLoop:
     """Run the move, the inputs of each step taken at its middle and held.
 
@@ -64,20 +103,17 @@ def open_loop(
         timestep: of the simulation and of the held inputs [s].
         hold: how long to go on after arrival [s].
         massless: mass that stands in for that of a massless pulley [kg]; `STAND_IN` if left out.
+        ropes: of the model, as for `models.compile`; the inputs stay those of rigid ones.
 
     Raises:
         FlatrigError: the rig cannot follow the path, or MuJoCo cannot hold the rig.
     """
-    steps = round((reference.duration + hold) / timestep)
-    times = np.arange(steps + 1, dtype=np.float64) * timestep
-    motion = solve(rig, reference, times)
-    start = dict(zip(motion.coordinate_names, motion.positions[0], strict=True))
-    model = mjcf.compile(rig, timestep=timestep, visuals=False, massless=massless or stand_in(rig))
-    first = mjcf.joint_state(rig, model, start)
-    inputs = solve(rig, reference, times[:-1] + 0.5 * timestep).inputs
-    state = run(model, first.qpos, first.qvel, inputs)
-    distance = _distance(motion, state.qpos)
-    return OpenLoop(times, state.qpos, state.qvel, distance, motion, model)
+    prepared = prepare(rig, reference, timestep, hold)
+    return prepared.run(
+        mjcf.compile(
+            rig, timestep=timestep, visuals=False, massless=massless or stand_in(rig), ropes=ropes
+        )
+    )
 
 
 def stand_in(rig: Rig) -> float | None:
