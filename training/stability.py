@@ -138,8 +138,8 @@ def initial_states(
             break
     else:
         raise OptionError(
-            f"rig {regulator.rig.name}: too few of {DRAWS * runs} random states have taut ropes; draw them "
-            "from nearer the rest"
+            f"rig {regulator.rig.name}: too few of {DRAWS * runs} random states have taut ropes; "
+            "draw them from nearer the rest"
         )
     values, rates = (
         {name: np.concatenate([part[i][name] for part in kept])[:runs] for name in kept[0][i]}

@@ -1,0 +1,35 @@
+"""Extrapolation of runs to step zero.
+
+The midpoint, energy-momentum and variational schemes are symmetric in time: their error is a
+series in h^2, and runs with several steps together remove its first terms (Aitken and Neville).
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def extrapolated(results: Sequence[ArrayLike], counts: Sequence[int]) -> tuple[Array, Array]:
+    """The limit of results whose error is a series in the squared step, and how far it is sure.
+
+    Args:
+        results: arrays of one shape, from runs over the same time.
+        counts: numbers of steps of those runs, increasing.
+
+    Returns:
+        The limit, and how far it is from that of all runs but the last.
+    """
+    column = [np.asarray(result, dtype=np.float64) for result in results]
+    before = column[0]
+    for level in range(1, len(results)):
+        before = column[0]
+        ratios = [(counts[i + level] / counts[i]) ** 2 for i in range(len(column) - 1)]
+        column = [
+            fine + (fine - coarse) / (ratio - 1)
+            for (coarse, fine), ratio in zip(pairwise(column), ratios, strict=True)
+        ]
+    return column[0], np.abs(column[0] - before)

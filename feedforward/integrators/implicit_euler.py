@@ -1,0 +1,39 @@
+"""Implicit Euler (Y 3.1): first order, damps whatever moves."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..multibody.system import System
+from .newton import Force, Stage
+from .stage import OneStage
+from .state import State
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ImplicitEuler(OneStage):
+    """q1 - q0 = h v1, M (v1 - v0) = -h (grad V + G^T multipliers)(q1), Phi(q1) = 0 (Y 3.2)."""
+
+    name: ClassVar[str] = "implicit Euler"
+    order: ClassVar[int] = 1
+    share: ClassVar[float] = 1.0
+
+    def stage(self, system: System, state: State, h: float) -> Stage:
+        """Forces at the end of the step."""
+
+        def force(q: Array, multipliers: Array) -> Force:
+            return Force(
+                h**2 * system.potential_gradient(q),
+                system.constraint_jacobian(q),
+                h**2 * system.potential_hessian(q) + system.constraint_hessian(q, multipliers),
+            )
+
+        return Stage(1.0, state.q + h * state.v, force)
+
+    def end(self, system: System, state: State, h: float, q: Array, multipliers: Array) -> State:
+        """The rate is the quotient of differences."""
+        return State(q, (q - state.q) / h, multipliers)

@@ -1,0 +1,68 @@
+"""What the schemes that solve one stage per step have in common."""
+
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..multibody.system import System
+from .newton import Stage, linearised, solve
+from .state import Counters, Failure, State, Step
+
+Array = NDArray[np.float64]
+
+
+class OneStage(ABC):
+    """A scheme given by its stage and by what it makes of the solution."""
+
+    name: ClassVar[str]
+    order: ClassVar[int]
+    share: ClassVar[float] = 0.5
+    """Of h^2 in the stage's multipliers."""
+    factorisations_at_end: ClassVar[int] = 0
+
+    @abstractmethod
+    def stage(self, system: System, state: State, h: float) -> Stage:
+        """The equations of a step."""
+
+    @abstractmethod
+    def end(self, system: System, state: State, h: float, q: Array, multipliers: Array) -> State:
+        """The state at the end of a step, from the stage's coordinates and plain multipliers."""
+
+    def begin(self, system: System, q: Array, v: Array) -> State:
+        """The state to start from, at consistent coordinates and rates."""
+        return State(q, v, system.accelerations(q, v)[1])
+
+    def guess(self, state: State, h: float) -> Array:
+        """Where Newton's method starts."""
+        return state.q + h * state.v
+
+    def step(self, system: System, state: State, h: float) -> Step | Failure:
+        """One step of h seconds."""
+        scale = self.share * h**2
+        stage, guess = self.stage(system, state, h), self.guess(state, h)
+        found = solve(system, stage, guess, scale * state.multipliers)
+        if isinstance(found, Failure):
+            return found
+        reached = self.end(system, state, h, found.q, found.multipliers / scale)
+        extra = Counters(factorisations=self.factorisations_at_end)
+        return Step(reached, found.counters + extra)
+
+    def matrix(self, system: System, state: State, h: float) -> Array:
+        """The iteration matrix of a step at its first guess, as printed.
+
+        Rows are the momentum balance and the constraints, columns the coordinates and the plain
+        multipliers; the solver itself scales both so that h does not spoil the condition.
+        """
+        stage, guess = self.stage(system, state, h), self.guess(state, h)
+        matrix, _ = linearised(system, stage, guess, self.share * h**2 * state.multipliers)
+        n = len(guess)
+        matrix[:n] /= self.share * h
+        matrix[:, n:] *= self.share * h**2
+        return matrix
+
+
+def midpoint_rate(state: State, h: float, q: Array) -> Array:
+    """v1 from q1 - q0 = h (v0 + v1)/2 (Y 2.119a)."""
+    return 2 * (q - state.q) / h - state.v
