@@ -11,6 +11,7 @@ Example::
 from .assembly import equations_of
 from .bisector import Beside, Bisected, beside, bisected, massless
 from .curves import Curve, CurvedPath, Polynomial, Waypoints, along, over
+from .dae import Integration, integrate
 from .energy import Regulator
 from .equations import Equations, redundant
 from .feasibility import Feasibility, Sizing, check, driven_unit
@@ -34,6 +35,7 @@ __all__ = [
     "CurvedPath",
     "Equations",
     "Feasibility",
+    "Integration",
     "Motion",
     "Polynomial",
     "Profile",
@@ -58,6 +60,7 @@ __all__ = [
     "from_csv",
     "from_move",
     "hold",
+    "integrate",
     "massless",
     "over",
     "redundant",

@@ -22,6 +22,20 @@ from .cranes import (
 )
 from .errors import FlatrigError, ModelError, OptionError, PathError, RigError, SmoothnessError
 from .files import OutputError
+from .hand_catalogue import (
+    HAND_CATALOGUE,
+    PRINTED_HAND_MOVES,
+    ball_between_oblique_plates,
+    ball_between_plates,
+    ball_in_corner,
+    ball_on_plate,
+    default_hand_move,
+    make_hand,
+    three_finger_hand,
+    two_finger_hand,
+)
+from .hand_moves import HandMove
+from .hands import Finger, Hand, HeldObject, Plate, Tip
 from .move import Move
 from .moves import PRINTED_MOVES
 from .navy_cranes import navy_crane_2d, navy_crane_3d
@@ -39,6 +53,7 @@ from .rig import (
     Sheave,
     Trolley,
 )
+from .ropes import Ropes
 from .toml import dump, dumps, load, load_move, loads
 
 if TYPE_CHECKING:
@@ -46,30 +61,44 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CATALOGUE",
+    "HAND_CATALOGUE",
+    "PRINTED_HAND_MOVES",
     "PRINTED_MOVES",
     "WORLD",
     "Anchor",
     "Combination",
     "Drive",
+    "Finger",
     "FlatrigError",
     "Frame",
+    "Hand",
+    "HandMove",
+    "HeldObject",
     "Load",
     "ModelError",
     "Move",
     "OptionError",
     "OutputError",
     "PathError",
+    "Plate",
     "Platform",
     "Rail",
     "Rig",
     "RigError",
     "Rope",
+    "Ropes",
     "Sheave",
     "SmoothnessError",
+    "Tip",
     "Trolley",
+    "ball_between_oblique_plates",
+    "ball_between_plates",
+    "ball_in_corner",
+    "ball_on_plate",
     "cable_manipulator",
     "cantilever_crane",
     "compile",
+    "default_hand_move",
     "default_move",
     "dump",
     "dumps",
@@ -80,6 +109,7 @@ __all__ = [
     "load_move",
     "loads",
     "make",
+    "make_hand",
     "navy_crane_2d",
     "navy_crane_3d",
     "overhead_crane",
@@ -87,6 +117,8 @@ __all__ = [
     "roped_overhead_crane",
     "rotary_crane",
     "rotary_crane_small",
+    "three_finger_hand",
+    "two_finger_hand",
 ]
 
 

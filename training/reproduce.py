@@ -19,6 +19,7 @@ from rich.table import Table
 from ..models.errors import OptionError, did_you_mean
 from . import options
 from .console import console, table
+from .y_sheets import sheets
 
 FOLDER = "results/reproduce"
 
@@ -54,6 +55,8 @@ ENTRIES: dict[str, Entry] = {
     "friction": Entry("winch friction and its compensation, K remarks 31, 32", "rubbing:figure"),
     "stability": Entry("PD on many initial states, K theorems 6 to 9", "stability:figure"),
 }
+ENTRIES |= {"Y4.6": Entry("the three-phase profile", "figures_y:reference_function")}
+ENTRIES |= {name: Entry(sheet.title, "figures_y:draw") for name, sheet in sheets().items()}
 """By the source (K = Kiss 2001, Y = Yang 2016) and the figure's number, or by what it is about."""
 
 

@@ -1,0 +1,243 @@
+"""Coordinates of a rig and the map from them to the polynomial coordinates of its equations.
+
+Three sets, as in the source:
+
+- `redundant`: those of the equations themselves; nothing is eliminated (Y 5.103),
+- `dependent`: angles instead of cosines, sines and directors, and no coordinate that a constraint
+  free of the outputs determines: p = phi(p_bar) of Y 5.111.  Each constraint with an output in it
+  is kept,
+- `minimal`: positions and angles of frames, trolleys, loads and platforms; all rope lengths
+  follow and no constraint is left (Y 4.6, 5.27).
+
+The map q = phi(x) is never written down for a rig.  Part of q is given by x directly; the rest
+solves the eliminated constraints Phi_T(q) = 0, and so its derivatives solve linear equations with
+the same matrix, G_T dphi = 0 and so on: exact to the third order, which the Jacobian of the
+equations of motion needs.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.errors import RigError
+from ...models.rig import Rig
+from ..assembly import equations_of
+from ..equations import Equations
+from ..servo import servo_of
+
+Array = NDArray[np.float64]
+Kind = Literal["redundant", "dependent", "minimal"]
+
+
+class Place(NamedTuple):
+    """A configuration and the derivatives of the coordinate map there."""
+
+    q: Array
+    """Shape (n,)."""
+    slope: Array
+    """P = d phi, shape (n, k)."""
+    bend: Array | None
+    """d2 phi, shape (n, k, k); None if it vanishes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Coordinates:
+    """k coordinates of a rig, with b inputs and the constraints that they leave."""
+
+    equations: Equations
+    kind: Kind
+    names: tuple[str, ...]
+    """Of the k coordinates."""
+    eliminated: tuple[int, ...]
+    """Constraints that determine the `implicit` coordinates."""
+    implicit: tuple[int, ...]
+    multipliers: tuple[int, ...]
+    """Constraints whose multipliers are unknowns."""
+    constraints: tuple[int, ...]
+    """Constraints that are equations: the same, unless prescribed angles imply some."""
+    servo: Array
+    """C of the servo constraints C x = prescribed, shape (a, k)."""
+
+    @property
+    def rig(self) -> Rig:
+        """Whose coordinates these are."""
+        return self.equations.rig
+
+    def place(self, x: Array) -> Place:
+        """The configuration at coordinates x (k,)."""
+        if self.kind == "redundant":
+            return Place(x, np.eye(len(x)), None)
+        e = self.equations
+        q = np.zeros(len(e.names))
+        slope, bend = np.zeros((len(q), len(x))), np.zeros((len(q), len(x), len(x)))
+        rows, columns = self._plain
+        q[rows], slope[rows, columns] = x[columns], 1.0
+        for j, cos, sin in self._turning:
+            q[cos], q[sin] = np.cos(x[j]), np.sin(x[j])
+            slope[cos, j], slope[sin, j] = -q[sin], q[cos]
+            bend[cos, j, j], bend[sin, j, j] = -q[cos], -q[sin]
+        for directors, columns, angles in self._platforms(x):
+            q[directors] = _rotation(angles, 0)
+            slope[np.ix_(directors, columns)] = _rotation(angles, 1)
+            bend[np.ix_(directors, columns, columns)] = _rotation(angles, 2)
+        self._complete(q)
+        if self.eliminated:
+            hessian = e.constraints[list(self.eliminated), :-1, :-1]
+            gradient = e.constraint_jacobian(q)[list(self.eliminated)]
+            pivot = -np.linalg.inv(gradient[:, self.implicit])
+            slope[list(self.implicit)] = pivot @ (gradient @ slope)
+            curved = _through(hessian, slope, slope) + np.tensordot(gradient, bend, 1)
+            bend[list(self.implicit)] = np.tensordot(pivot, curved, 1)
+        return Place(q, slope, bend)
+
+    def third(self, place: Place, x: Array, rate: Array) -> Array:
+        """d3 phi applied twice to a rate (k,), shape (n, k)."""
+        result = np.zeros_like(place.slope)
+        if place.bend is None:
+            return result
+        e = self.equations
+        for j, cos, sin in self._turning:
+            result[cos, j] = place.q[sin] * rate[j] ** 2
+            result[sin, j] = -place.q[cos] * rate[j] ** 2
+        for directors, columns, angles in self._platforms(x):
+            turn = rate[columns]
+            result[np.ix_(directors, columns)] = np.einsum(
+                "nijk,i,j->nk", _rotation(angles, 3), turn, turn
+            )
+        if self.eliminated:
+            hessian = e.constraints[list(self.eliminated), :-1, :-1]
+            gradient = e.constraint_jacobian(place.q)[list(self.eliminated)]
+            turned = place.bend @ rate
+            curved = hessian @ (turned @ rate) @ place.slope
+            curved += 2.0 * (hessian @ (place.slope @ rate)) @ turned
+            pivot = -np.linalg.inv(gradient[:, self.implicit])
+            result[list(self.implicit)] = pivot @ (curved + gradient @ result)
+        return result
+
+    def _complete(self, q: Array) -> None:
+        """Set the implicit coordinates: each constraint is linear or quadratic in its own."""
+        for k, i in zip(self.eliminated, self.implicit, strict=True):
+            state = np.append(q, 1.0)
+            row = self.equations.constraints[k] @ state
+            b, c, a = row[i], 0.5 * (state @ row), self.equations.constraints[k, i, i]
+            # A length is the larger root; a is negative there.
+            q[i] = -c / b if a == 0.0 else -(b + np.sqrt(b * b - 2.0 * a * c)) / a
+
+    @cached_property
+    def _plain(self) -> tuple[list[int], list[int]]:
+        """Which polynomial coordinates are coordinates themselves, and which."""
+        shared = [name for name in self.names if name in self.equations.names]
+        return [self.equations.names.index(n) for n in shared], [
+            self.names.index(n) for n in shared
+        ]
+
+    @cached_property
+    def _turning(self) -> list[tuple[int, int, int]]:
+        """For each turning frame its angle and the indices of cosine and sine."""
+        return [(self.names.index(name), cos, sin) for name, cos, sin in self.equations.turning]
+
+    def _platforms(self, x: Array) -> list[tuple[list[int], list[int], Array]]:
+        """For each platform its directors, the columns of its angles, and these."""
+        found = []
+        for orientation in self.equations.orientations:
+            columns = [self.names.index(name) for name in orientation.angles]
+            found.append((list(orientation.directors), columns, x[columns]))
+        return found
+
+
+def _through(hessian: Array, left: Array, right: Array) -> Array:
+    return np.asarray(left.T @ hessian @ right)
+
+
+def _rotation(angles: Array, order: int) -> Array:
+    """All derivatives of an order of the nine directors by three Bryant angles, (9, 3, ..., 3)."""
+    factors = [
+        [_turn(axis, angle, times) for times in range(order + 1)]
+        for axis, angle in enumerate(angles)
+    ]
+    result = np.empty((9, *(3,) * order))
+    for index in np.ndindex(*(3,) * order):
+        alpha, beta, gamma = (factors[axis][index.count(axis)] for axis in range(3))
+        result[:, *index] = (alpha @ beta @ gamma).T.ravel()
+    return result
+
+
+def _turn(axis: int, angle: float, times: int) -> Array:
+    """A derivative of the rotation matrix about a coordinate axis."""
+    cos, sin = np.cos(angle + times * np.pi / 2), np.sin(angle + times * np.pi / 2)
+    i, k = (axis + 1) % 3, (axis + 2) % 3
+    matrix = np.zeros((3, 3))
+    matrix[axis, axis] = times == 0
+    matrix[i, i] = matrix[k, k] = cos
+    matrix[i, k], matrix[k, i] = -sin, sin
+    return matrix
+
+
+@lru_cache(maxsize=256)
+def coordinates_of(rig: Rig, kind: Kind) -> Coordinates:
+    """One of the three sets of coordinates.
+
+    Raises:
+        RigError: the rig has no such coordinates, and why.
+    """
+    e = equations_of(rig)
+    every = tuple(range(len(e.constraint_names)))
+    if kind == "redundant":
+        servo = servo_of(rig)
+        kept = tuple(k for k in every if k not in servo.implied)
+        matrix = np.zeros((len(servo.rows), len(e.names)))
+        for i, terms in enumerate(servo.rows):
+            for factor, j in terms:
+                matrix[i, j] = factor
+        return Coordinates(e, kind, e.names, (), (), every, kept, matrix)
+    by_angles = {e.constraint_names.index(f"{name[:-6]}.unit") for name, *_ in e.turning}
+    by_angles |= {k for orientation in e.orientations for k in orientation.constraints}
+    kept = () if kind == "minimal" else _with_outputs(e, by_angles)
+    eliminated = tuple(k for k in every if k not in by_angles and k not in kept)
+    implicit = tuple(_determined(e, k) for k in eliminated)
+    hidden = {e.names[i] for i in implicit}
+    names = tuple(name for name in rig.coordinate_names if name not in hidden)
+    spans = tuple(n for n in e.names if ".span" in n and n not in hidden)
+    names += spans
+    matrix = _outputs(rig, names, kind)
+    if len(kept) > len(matrix):
+        raise RigError(
+            f"rig {rig.name} has no dependent coordinates: {len(kept)} constraints contain its "
+            f"{len(matrix)} outputs, there may be no more than outputs (Y assumption 1)"
+        )
+    return Coordinates(e, kind, names, eliminated, implicit, kept, kept, matrix)
+
+
+def _with_outputs(e: Equations, implied: set[int]) -> tuple[int, ...]:
+    """Constraints that contain an output."""
+    prescribed = sorted({j for terms in servo_of(e.rig).rows for _, j in terms})
+    return tuple(
+        k for k, matrix in enumerate(e.constraints) if k not in implied and matrix[prescribed].any()
+    )
+
+
+def _determined(e: Equations, constraint: int) -> int:
+    """The coordinate that a rail's or a span's constraint determines."""
+    owner, _, last = e.constraint_names[constraint].rpartition(".")
+    name = f"{owner}.{last[-1]}" if last.startswith("rail_") else f"{owner}.span{last}"
+    return e.names.index(name if name in e.names else f"{owner}.length")
+
+
+def _outputs(rig: Rig, names: tuple[str, ...], kind: Kind) -> Array:
+    """The outputs as sums of coordinates, shape (outputs, coordinates)."""
+    sums = {part.name: part for part in rig.combinations}
+    matrix = np.zeros((len(rig.outputs), len(names)))
+    for i, output in enumerate(rig.outputs):
+        pairs = (
+            zip(sums[output].factors, sums[output].of, strict=True)
+            if output in sums
+            else [(1.0, output)]
+        )
+        for factor, name in pairs:
+            if name not in names:
+                raise RigError(f"rig {rig.name}: output {name!r} is none of its {kind} coordinates")
+            matrix[i, names.index(name)] = factor
+    return matrix

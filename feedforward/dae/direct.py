@@ -1,0 +1,69 @@
+"""The equations as they are: motion, constraints and servo constraints (Y 4.2, 5.10, 5.102).
+
+The index is that of the problem, 5 for most cranes.  Multistep formulae with constant steps still
+converge in theory; each of the four differentiations that the inputs need multiplies the rounding
+error by 1 / step, so the error stops falling early.  Runge-Kutta methods lose one order with each
+differentiation: Radau IIA with three stages has none left for the inputs (Y 4.2).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..structure import analyse
+from .formulation import Evaluated, unknown_names
+from .mechanics import Forces, Mechanics
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Direct:
+    """Equations of motion, constraints and servo constraints, none of them differentiated."""
+
+    mechanics: Mechanics
+    derivatives: int = 0
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of coordinates, multipliers and inputs."""
+        return unknown_names(self.mechanics)
+
+    @property
+    def index(self) -> int:
+        """That of the problem."""
+        return analyse(self.mechanics.coordinates.rig).index
+
+    def evaluate(self, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool) -> Evaluated:
+        """Motion, constraints, servo constraints."""
+        k, *_ = self.mechanics.sizes
+        forces = self.mechanics.forces(z, zd[:k], zdd[:k])
+        return self.assemble(forces, given, z, zd, zdd, slopes)
+
+    def assemble(
+        self, forces: Forces, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool
+    ) -> Evaluated:
+        """The same from known forces."""
+        mechanics, servo = self.mechanics, self.mechanics.coordinates.servo
+        k, m, _ = mechanics.sizes
+        residual = np.concatenate(
+            (mechanics.motion(forces), mechanics.constraints(forces), servo @ z[:k] - given[0])
+        )
+        if not slopes:
+            return Evaluated(residual, None)
+        jacobian = np.zeros((3, len(residual), len(z)))
+        part = mechanics.slopes(forces, z, zd[:k], zdd[:k])
+        jacobian[0, :k, :k] = part.position
+        jacobian[1, :k, :k] = part.rate
+        jacobian[2, :k, :k] = part.acceleration
+        jacobian[0, :k, k : k + m] = part.multipliers
+        jacobian[0, :k, k + m :] = part.inputs
+        jacobian[0, k : -len(servo), :k] = mechanics.constraint_slope(forces)
+        jacobian[0, -len(servo) :, :k] = servo
+        return Evaluated(residual, jacobian)
+
+    def rates(self, z: Array, zd: Array, zdd: Array) -> tuple[Array, Array]:
+        """Rates and accelerations of the coordinates."""
+        k, *_ = self.mechanics.sizes
+        return zd[:k], zdd[:k]

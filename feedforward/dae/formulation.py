@@ -1,0 +1,74 @@
+"""What every formulation is: F(t, z, z', z'') = 0, with its Jacobians, and how to read z.
+
+The unknowns z begin with coordinates, multipliers and inputs; dummy derivatives may follow.  Only
+the coordinates stand under derivatives, and twice at most, so a scheme that replaces z' and z'' by
+differences of z solves for z alone, as the sources do (Y 5.38, 5.118).
+"""
+
+import math
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..branch import taylor_of
+from ..reference import Reference
+from ..servo import prescribe
+from .coordinates import Coordinates
+from .mechanics import Mechanics
+
+Array = NDArray[np.float64]
+
+
+class Evaluated(NamedTuple):
+    """The equations at one instant."""
+
+    residual: Array
+    """F, shape (N,)."""
+    jacobian: Array | None
+    """dF/dz, dF/dz', dF/dz'', shape (3, N, N), if wanted."""
+
+
+class Formulation(Protocol):
+    """A system of N equations in N unknowns z."""
+
+    @property
+    def mechanics(self) -> Mechanics:
+        """The equations of motion that it is made of."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the N unknowns."""
+
+    @property
+    def derivatives(self) -> int:
+        """Highest derivative of the reference in the equations."""
+
+    @property
+    def index(self) -> int:
+        """Differentiation index."""
+
+    def evaluate(self, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool) -> Evaluated:
+        """The equations at z, z', z'' (N,) and prescribed values (derivatives + 1, a)."""
+
+    def rates(self, z: Array, zd: Array, zdd: Array) -> tuple[Array, Array]:
+        """Rates x' and accelerations x'' of the coordinates, each (k,)."""
+
+
+def prescribed(
+    coordinates: Coordinates, reference: Reference, times: ArrayLike, order: int
+) -> Array:
+    """What the servo constraints prescribe, with derivatives, shape (order + 1, N, a)."""
+    instants = np.asarray(times, dtype=float)
+    if coordinates.kind != "redundant":
+        return np.asarray(reference.derivatives(instants, order))
+    taylor = prescribe(coordinates.rig, taylor_of(reference, instants, order))
+    factorials = [math.factorial(i) for i in range(order + 1)]
+    return np.asarray(taylor * np.array(factorials, dtype=float)[:, None, None])
+
+
+def unknown_names(mechanics: Mechanics) -> tuple[str, ...]:
+    """Of coordinates, multipliers and inputs."""
+    c = mechanics.coordinates
+    held = (c.equations.constraint_names[k] for k in c.multipliers)
+    return (*c.names, *(f"multiplier of {name}" for name in held), *c.rig.input_names)

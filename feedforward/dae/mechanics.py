@@ -1,0 +1,113 @@
+"""The equations of motion of a rig in any of its coordinates, with their Jacobians.
+
+With q = phi(x), P = d phi and the equations of motion in polynomial coordinates,
+
+    motion      = P^T (M q'' - f + G^T multipliers - (B + B'q) u),   q'' = P x'' + d2 phi (x', x')
+    constraints = Phi(phi(x)) of those that are left
+
+(Y 4.11, 5.33, 5.113): one set of generated equations and a null-space reduction, no second one
+written by hand.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .coordinates import Coordinates, Place
+
+Array = NDArray[np.float64]
+
+
+class Forces(NamedTuple):
+    """What stands in the equations of motion at one instant."""
+
+    place: Place
+    unbalanced: Array
+    """M q'' - f + G^T multipliers - (B + B'q) u, shape (n,)."""
+    gradient: Array
+    """G of all constraints, shape (m, n)."""
+
+
+class Slopes(NamedTuple):
+    """Derivatives of the reduced equations of motion, each (k, ...)."""
+
+    position: Array
+    rate: Array
+    acceleration: Array
+    """The mass matrix."""
+    multipliers: Array
+    inputs: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanics:
+    """The equations of motion in given coordinates."""
+
+    coordinates: Coordinates
+
+    @property
+    def sizes(self) -> tuple[int, int, int]:
+        """Numbers of coordinates, multipliers and inputs."""
+        c = self.coordinates
+        return len(c.names), len(c.multipliers), c.equations.input_constant.shape[1]
+
+    def split(self, z: Array) -> tuple[Array, Array, Array]:
+        """Coordinates, multipliers and inputs of unknowns that begin with these."""
+        k, m, b = self.sizes
+        return z[:k], z[k : k + m], z[k + m : k + m + b]
+
+    def forces(self, z: Array, rate: Array, acceleration: Array) -> Forces:
+        """At unknowns z, rates x' (k,) and accelerations x'' (k,)."""
+        e = self.coordinates.equations
+        x, multipliers, inputs = self.split(z)
+        place = self.coordinates.place(x)
+        gradient = e.constraints[:, :-1, :-1] @ place.q + e.constraints[:, :-1, -1]
+        second = place.slope @ acceleration
+        if place.bend is not None:
+            second = second + place.bend @ rate @ rate
+        unbalanced = e.mass @ second - e.force - self._input(place.q) @ inputs
+        unbalanced += multipliers @ gradient[list(self.coordinates.multipliers)]
+        return Forces(place, unbalanced, gradient)
+
+    def motion(self, forces: Forces) -> Array:
+        """Residual of the reduced equations of motion, shape (k,)."""
+        return forces.place.slope.T @ forces.unbalanced
+
+    def constraints(self, forces: Forces) -> Array:
+        """Residual of the constraints that are left."""
+        values = self.coordinates.equations.constraint_values(forces.place.q)
+        return values[list(self.coordinates.constraints)]
+
+    def constraint_slope(self, forces: Forces) -> Array:
+        """Its derivative by the coordinates, (constraints, k)."""
+        return forces.gradient[list(self.coordinates.constraints)] @ forces.place.slope
+
+    def slopes(self, forces: Forces, z: Array, rate: Array, acceleration: Array) -> Slopes:
+        """Derivatives of `motion`."""
+        e = self.coordinates.equations
+        x, multipliers, inputs = self.split(z)
+        kept = list(self.coordinates.multipliers)
+        place = forces.place
+        stiffness = np.tensordot(multipliers, e.constraints[kept, :-1, :-1], 1)
+        stiffness -= np.einsum("iaj,a->ij", e.input_linear, inputs)
+        across = place.slope.T
+        position = across @ stiffness @ place.slope
+        turning = np.zeros_like(position)
+        if place.bend is not None:
+            moved = place.bend @ acceleration + self.coordinates.third(place, x, rate)
+            position += across @ e.mass @ moved
+            position += np.tensordot(forces.unbalanced, place.bend, 1)
+            turning = 2.0 * across @ e.mass @ (place.bend @ rate)
+        return Slopes(
+            position=position,
+            rate=turning,
+            acceleration=across @ e.mass @ place.slope,
+            multipliers=across @ forces.gradient[kept].T,
+            inputs=-across @ self._input(place.q),
+        )
+
+    def _input(self, q: Array) -> Array:
+        e = self.coordinates.equations
+        return e.input_constant + e.input_linear @ q

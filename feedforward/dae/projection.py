@@ -1,0 +1,117 @@
+"""The projection of Blajer and Kolodziejczyk (Y 4.23 in minimal coordinates, 4.33 in redundant).
+
+With D spanning the null space of the servo constraints' matrix C the equations of motion are
+split in two: D^T motion = 0 stays differential, and along the servo constraints the acceleration
+a that the forces would cause is what is prescribed,
+
+    D^T motion(x, x', x'', ...) = 0,     C a(x, x', multipliers, u) = gamma''.
+
+Of the mass matrix M only W with W M = C is needed.  The source assumes an inverse of M; here
+coordinates without inertia do no harm unless an output moves with them alone.  The outputs are
+coordinates here, so C and D are constant in minimal coordinates too; the source's GEN has swing
+angles for coordinates and needs D(x).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import null_space
+
+from .direct import Direct
+from .formulation import Evaluated, unknown_names
+from .mechanics import Forces, Mechanics
+
+Array = NDArray[np.float64]
+
+RANK = 1e-9
+"""Eigenvalues of a mass matrix below this share of the largest one count as zero."""
+
+
+class Free(NamedTuple):
+    """The acceleration that the forces cause."""
+
+    forces: Forces
+    """With that acceleration."""
+    acceleration: Array
+    """Shape (k,)."""
+    jacobian: Array | None
+    """Its derivatives by z and z', shape (2, k, N), if wanted."""
+
+
+def free(
+    mechanics: Mechanics, forces: Forces, z: Array, rate: Array, acceleration: Array, slopes: bool
+) -> Free:
+    """Acceleration that solves the equations of motion under given multipliers and inputs.
+
+    It differs from any given acceleration by what leaves the forces unbalanced, over the mass.
+    """
+    k, *_ = mechanics.sizes
+    slope = forces.place.slope
+    weighted = mechanics.coordinates.equations.mass @ slope
+    mass = slope.T @ weighted
+    # What no mass resists keeps its acceleration.
+    inverse = np.linalg.pinv(mass, RANK) if forces.place.bend is None else np.linalg.inv(mass)
+    change = -inverse @ mechanics.motion(forces)
+    forces = forces._replace(unbalanced=forces.unbalanced + weighted @ change)
+    if not slopes:
+        return Free(forces, acceleration + change, None)
+    part = mechanics.slopes(forces, z, rate, acceleration + change)
+    jacobian = np.zeros((2, k, len(z)))
+    jacobian[0] = np.hstack((part.position, part.multipliers, part.inputs))
+    jacobian[1, :, :k] = part.rate
+    return Free(forces, acceleration + change, -inverse @ jacobian)
+
+
+@dataclass(frozen=True, eq=False)
+class Projection:
+    """The projected equations, GEN in minimal and RED in redundant coordinates."""
+
+    mechanics: Mechanics
+    derivatives: int = 2
+
+    @cached_property
+    def tangent(self) -> Array:
+        """D, shape (k, k - a)."""
+        return np.asarray(null_space(self.mechanics.coordinates.servo))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of coordinates, multipliers and inputs."""
+        return unknown_names(self.mechanics)
+
+    @property
+    def index(self) -> int:
+        """Two less than that of the problem."""
+        return Direct(self.mechanics).index - 2
+
+    def evaluate(self, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool) -> Evaluated:
+        """Tangential and orthogonal projection, constraints, servo constraints."""
+        mechanics, servo = self.mechanics, self.mechanics.coordinates.servo
+        k, *_ = mechanics.sizes
+        forces = mechanics.forces(z, zd[:k], zdd[:k])
+        inner = Direct(mechanics).assemble(forces, given, z, zd, zdd, slopes)
+        caused = free(mechanics, forces, z, zd[:k], zdd[:k], slopes)
+        residual = np.concatenate(
+            (
+                self.tangent.T @ inner.residual[:k],
+                servo @ caused.acceleration - given[2],
+                inner.residual[k:],
+            )
+        )
+        if inner.jacobian is None or caused.jacobian is None:
+            return Evaluated(residual, None)
+        along = np.zeros((3, len(servo), len(z)))
+        along[:2] = servo @ caused.jacobian
+        tangential = self.tangent.T @ inner.jacobian[:, :k]
+        jacobian = np.concatenate((tangential, along, inner.jacobian[:, k:]), axis=1)
+        return Evaluated(residual, jacobian)
+
+    def rates(self, z: Array, zd: Array, zdd: Array) -> tuple[Array, Array]:
+        """Rates of the coordinates, and the accelerations that the forces cause."""
+        k, *_ = self.mechanics.sizes
+        forces = self.mechanics.forces(z, zd[:k], zdd[:k])
+        caused = free(self.mechanics, forces, z, zd[:k], zdd[:k], False)
+        return zd[:k], caused.acceleration

@@ -1,0 +1,152 @@
+"""The projection in dependent coordinates (Y 4.50, formulation ALT).
+
+The equations of motion are split in three.  D spans what neither servo constraints nor constraints
+forbid; the acceleration a that the forces cause is prescribed along the former and tangent to the
+latter; the derivatives of the outputs are those of the reference:
+
+    D^T motion(p'', gamma'') = 0,   C a = gamma'',   d2/dt2 constraints (a) = 0.
+
+D depends on the coordinates: D = N K with the constant null space N of C and G N K = 0.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import null_space, qr
+
+from .direct import Direct
+from .formulation import Evaluated, unknown_names
+from .mechanics import Forces, Mechanics
+from .projection import Free, free
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class DependentProjection:
+    """The equations projected into three subspaces."""
+
+    mechanics: Mechanics
+    derivatives: int = 2
+
+    @cached_property
+    def spaces(self) -> tuple[Array, Array]:
+        """N, the null space of C (k, k - a), and the inverse of C (k, a)."""
+        servo = self.mechanics.coordinates.servo
+        return np.asarray(null_space(servo)), np.asarray(np.linalg.pinv(servo), dtype=float)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of coordinates, multipliers and inputs."""
+        return unknown_names(self.mechanics)
+
+    @property
+    def index(self) -> int:
+        """Two less than that of the problem."""
+        return Direct(self.mechanics).index - 2
+
+    def evaluate(self, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool) -> Evaluated:
+        """The three projections, constraints, servo constraints."""
+        mechanics, servo = self.mechanics, self.mechanics.coordinates.servo
+        k, *_ = mechanics.sizes
+        _, inverse = self.spaces
+        rate, acceleration = self._prescribed(given, zd, zdd)
+        forces = mechanics.forces(z, rate, acceleration)
+        inner = Direct(mechanics).assemble(forces, given, z, rate, acceleration, slopes)
+        caused = free(mechanics, forces, z, rate, acceleration, slopes)
+        tangent, left = self._tangent(mechanics.constraint_slope(caused.forces))
+        motion = inner.residual[:k]
+        residual = np.concatenate(
+            (
+                tangent.T @ motion,
+                servo @ caused.acceleration - given[2],
+                self._second(caused, rate),
+                inner.residual[k:],
+            )
+        )
+        if inner.jacobian is None or caused.jacobian is None:
+            return Evaluated(residual, None)
+        jacobian = np.zeros((3, len(z), len(z)))
+        rows = tangent.shape[1]
+        jacobian[:, :rows] = tangent.T @ inner.jacobian[:, :k]
+        jacobian[0, :rows, :k] -= tangent.T @ self._bent(caused.forces, left @ motion)
+        jacobian[:2, rows : rows + len(servo)] = servo @ caused.jacobian
+        end = rows + len(servo) + len(mechanics.coordinates.constraints)
+        jacobian[:2, rows + len(servo) : end] = self._second_slopes(caused, z, rate)
+        jacobian[:, end:] = inner.jacobian[:, k:]
+        # What is prescribed does not depend on the unknowns.
+        keep = np.eye(k) - inverse @ servo
+        jacobian[1:, :, :k] = jacobian[1:, :, :k] @ keep
+        return Evaluated(residual, jacobian)
+
+    def rates(self, z: Array, zd: Array, zdd: Array) -> tuple[Array, Array]:
+        """Rates of the coordinates, and the accelerations that the forces cause."""
+        k, *_ = self.mechanics.sizes
+        forces = self.mechanics.forces(z, zd[:k], zdd[:k])
+        caused = free(self.mechanics, forces, z, zd[:k], zdd[:k], False)
+        return zd[:k], caused.acceleration
+
+    def _prescribed(self, given: Array, zd: Array, zdd: Array) -> tuple[Array, Array]:
+        """Rates and accelerations with those of the outputs from the reference."""
+        k, *_ = self.mechanics.sizes
+        servo, (_, inverse) = self.mechanics.coordinates.servo, self.spaces
+        rate, acceleration = zd[:k], zdd[:k]
+        return (
+            rate + inverse @ (given[1] - servo @ rate),
+            acceleration + inverse @ (given[2] - servo @ acceleration),
+        )
+
+    def _tangent(self, gradient: Array) -> tuple[Array, Array]:
+        """D, and the matrix that gives the multipliers in D's derivative: d D^T r = -D^T dG^T
+        (left r).
+        """
+        across, _ = self.spaces
+        inside = gradient @ across
+        m = len(inside)
+        *_, order = qr(inside, pivoting=True, mode="economic")
+        solved, chosen = order[:m], order[m:]
+        kernel = np.zeros((across.shape[1], len(chosen)))
+        kernel[chosen, np.arange(len(chosen))] = 1.0
+        kernel[solved] = -np.linalg.solve(inside[:, solved], inside[:, chosen])
+        left = np.linalg.solve(inside[:, solved].T, across[:, solved].T)
+        return across @ kernel, np.asarray(left, dtype=float)
+
+    def _bent(self, forces: Forces, weights: Array) -> Array:
+        """Derivative of (G P)^T weights by the coordinates, shape (k, k)."""
+        c = self.mechanics.coordinates
+        place, kept = forces.place, list(c.constraints)
+        hessian = np.tensordot(weights, c.equations.constraints[kept, :-1, :-1], 1)
+        bent = place.slope.T @ hessian @ place.slope
+        if place.bend is not None:
+            bent += np.tensordot(weights @ forces.gradient[kept], place.bend, 1)
+        return np.asarray(bent)
+
+    def _second(self, caused: Free, rate: Array) -> Array:
+        """Second derivative of the constraints."""
+        c, place = self.mechanics.coordinates, caused.forces.place
+        kept = list(c.constraints)
+        second, speed = place.slope @ caused.acceleration, place.slope @ rate
+        if place.bend is not None:
+            second = second + place.bend @ rate @ rate
+        curvature = c.equations.constraint_curvature(speed)[kept]
+        return np.asarray(caused.forces.gradient[kept] @ second + curvature)
+
+    def _second_slopes(self, caused: Free, z: Array, rate: Array) -> Array:
+        """Its derivatives by z and z', shape (2, constraints, N)."""
+        c, place = self.mechanics.coordinates, caused.forces.place
+        k, kept = len(rate), list(c.constraints)
+        gradient, hessian = caused.forces.gradient[kept], c.equations.constraints[kept, :-1, :-1]
+        assert caused.jacobian is not None
+        jacobian = gradient @ place.slope @ caused.jacobian
+        second, speed = place.slope @ caused.acceleration, place.slope @ rate
+        turned = np.zeros_like(place.slope)
+        if place.bend is not None:
+            second = second + place.bend @ rate @ rate
+            turned = place.bend @ rate
+            moved = place.bend @ caused.acceleration + c.third(place, z[:k], rate)
+            jacobian[0, :, :k] += gradient @ moved
+        jacobian[0, :, :k] += hessian @ second @ place.slope + 2.0 * hessian @ speed @ turned
+        jacobian[1, :, :k] += 2.0 * (gradient @ turned + hessian @ speed @ place.slope)
+        return np.asarray(jacobian)

@@ -1,0 +1,91 @@
+"""Time-stepping schemes: small immutable objects with a name, an order and a `step`.
+
+A step goes from past states (z, z', z'') to the next one.  It asks the formulation for its
+equations at given instants and Newton's method for their zero; None means that there is none.
+
+`after` states the order of convergence of what follows from exact values of the unknowns by a
+number of numerical differentiations.  With flat outputs that is all that a scheme does: nothing is
+left to integrate, and from index nu the positions need nu - 3 differentiations, the velocities
+nu - 2 and the inputs nu - 1 (`orders`).  On systems that are not flat the positions of an index-3
+problem have the order of an integration, 2 s - 1 for Radau IIA with s stages; here they are exact.
+"""
+
+import math
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .formulation import Formulation
+from .newton import Newton
+
+Array = NDArray[np.float64]
+
+
+class State(NamedTuple):
+    """Unknowns with two derivatives, each (N,); those of algebraic unknowns mean nothing."""
+
+    z: Array
+    zd: Array
+    zdd: Array
+
+
+class Orders(NamedTuple):
+    """Orders of convergence, infinite where the values are exact."""
+
+    positions: float
+    velocities: float
+    inputs: float
+
+
+class Stepped(NamedTuple):
+    """What a step comes to."""
+
+    state: State
+    jump: Array | None
+    """Estimated error of the rates z' [unit of z / s], of schemes that have one."""
+
+
+class Scheme(Protocol):
+    """One step of a method."""
+
+    @property
+    def name(self) -> str:
+        """As `integrate` knows it."""
+
+    @property
+    def order(self) -> int:
+        """On ordinary differential equations."""
+
+    def after(self, differentiations: int) -> int:
+        """Order of what so many numerical differentiations yield, one or more."""
+
+    @property
+    def memory(self) -> int:
+        """Number of past states that it needs."""
+
+    @property
+    def nodes(self) -> tuple[float, ...]:
+        """Where in the step the equations are asked for, as shares of it."""
+
+    @property
+    def estimates(self) -> bool:
+        """Whether it estimates its error and takes steps of any length."""
+
+    def step(
+        self, equations: Formulation, newton: Newton, past: list[State], given: Array, h: float
+    ) -> Stepped | None:
+        """The next state.
+
+        Args:
+            equations: the formulation.
+            newton: which counts.
+            past: states, the latest one last.
+            given: what is prescribed at the nodes, shape (derivatives + 1, nodes, a).
+            h: step [s].
+        """
+
+
+def orders(scheme: Scheme, index: int) -> Orders:
+    """Orders of convergence along smooth references on a flat rig's equations of some index."""
+    return Orders(*(scheme.after(index - less) if index > less else math.inf for less in (3, 2, 1)))

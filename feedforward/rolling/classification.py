@@ -1,0 +1,209 @@
+"""Whether a hand's kinematics are holonomic, flat or Liouvillian, decided from ranks.
+
+    print(classify(models.ball_on_plate(spin=False)))
+    table([models.ball_on_plate(), ...])             # K's table 2.1 with the reasons
+
+The distribution D of the admissible velocities grows by Lie brackets, D0 = D, D(k+1) = Dk +
+[Dk, Dk]; what the codistribution's derived flag loses, I(k) = n - dim Dk, is what D gains
+(K definition 14).  Since the vector fields are linear with constant matrices
+(`kinematics.Rolling`), brackets are commutators and the ranks are those of matrices at random
+states, of which the largest counts.  n is the dimension that D reaches in the end: the integrable
+constraints are gone.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from ...models.hands import Hand, Tip
+from .kinematics import Rolling
+
+Array = NDArray[np.float64]
+Answer = Literal["yes", "no", "?"]
+
+STATES = 3
+"""Random states at which ranks are taken."""
+RANK_TOLERANCE = 1e-9
+"""Relative to the largest singular value."""
+
+
+@dataclass(frozen=True)
+class Classification:
+    """A row of K's table 2.1 with its reasons."""
+
+    hand: str
+    dimension: int
+    """n, of the states that can be reached."""
+    inputs: int
+    """m, generalized velocities."""
+    constraints: int
+    """Velocity constraints on the states before any is integrated."""
+    growth: tuple[int, ...]
+    """Dimensions of D0, D1, ... until they stay."""
+    holonomic: bool
+    flat: Answer
+    liouvillian: Answer
+    reasons: tuple[str, str, str]
+    """For holonomy, flatness and the Liouvillian property, in this order."""
+
+    @property
+    def derived_flag(self) -> tuple[int, ...]:
+        """Dimensions of the derived flag I0, I1, ... of the codistribution."""
+        return tuple(self.dimension - size for size in self.growth)
+
+    def __str__(self) -> str:
+        answers = ("yes" if self.holonomic else "no", self.flat, self.liouvillian)
+        words = ("holonomic", "flat", "Liouvillian")
+        lines = [
+            f"  {word:<12}{answer:<4}{reason}"
+            for word, answer, reason in zip(words, answers, self.reasons, strict=True)
+        ]
+        head = f"{self.hand}: {self.dimension} states, {self.inputs} inputs, derived flag"
+        return "\n".join([f"{head} {self.derived_flag}", *lines])
+
+
+def _rank(vectors: Array) -> int:
+    """Of vectors (count, size)."""
+    return int(np.linalg.matrix_rank(vectors, tol=RANK_TOLERANCE * max(np.abs(vectors).max(), 1)))
+
+
+def random_state(rolling: Rolling, random: np.random.Generator) -> Array:
+    """A state with any orientation and contacts; a planar hand's stays in the plane."""
+    hand = rolling.hand
+    if hand.planar:
+        rotation = Rotation.from_rotvec([0.0, random.uniform(-3, 3), 0.0]).as_matrix()
+    else:
+        rotation = Rotation.random(rng=random).as_matrix()
+    others = {}
+    for name in rolling.blocks:
+        if name.startswith("e."):
+            direction = random.standard_normal(3) * ((1, 0, 1) if hand.planar else (1, 1, 1))
+            others[name] = direction / np.linalg.norm(direction)
+    return rolling.state(rotation, random.standard_normal(3), **others)
+
+
+def _independent(matrices: Array) -> Array:
+    """Orthonormal matrices that span what the given ones (count, size, size) do."""
+    _, sizes, right = np.linalg.svd(matrices.reshape(len(matrices), -1), full_matrices=False)
+    kept = right[sizes > RANK_TOLERANCE * sizes[0]]
+    return np.asarray(kept.reshape(-1, *matrices.shape[1:]))
+
+
+def growth(rolling: Rolling, seed: int = 0) -> tuple[int, ...]:
+    """Dimensions of D0, D1, ... at random states, up to the one that stays."""
+    random = np.random.default_rng(seed)
+    states = [random_state(rolling, random) for _ in range(STATES)]
+    fields = _independent(rolling.generators)
+    sizes = [max(_rank(fields @ state) for state in states)]
+    while True:
+        products = np.einsum("aij,bjk->abik", fields, fields)
+        brackets = (products - products.swapaxes(0, 1)).reshape(-1, *fields.shape[1:])
+        wider = _independent(np.concatenate((fields, brackets)))
+        if len(wider) == len(fields):
+            return tuple(sizes)
+        fields = wider
+        sizes.append(max(_rank(fields @ state) for state in states))
+        if sizes[-1] == sizes[-2]:
+            sizes.pop()  # more fields, the same directions
+
+
+def _states_before(rolling: Rolling) -> int:
+    """Dimension of the states before constraints are integrated."""
+    planar = rolling.hand.planar
+    sizes = {"p": 2 if planar else 3, "c": 1 if planar else 2, "e": 1 if planar else 2}
+    turns = {
+        f"q.{finger.name}": len(finger.surface.axes)
+        for finger in rolling.hand.fingers
+        if isinstance(finger.surface, Tip)
+    }
+    count = 1 if planar else 3
+    for name in rolling.blocks:
+        count += turns[name] if name.startswith("q.") else sizes.get(name[0], 0)
+    return count
+
+
+def _flat(rolling: Rolling, sizes: tuple[int, ...]) -> tuple[Answer, str]:
+    """Flatness from the growth of D, without the inputs that only move the centre (as K)."""
+    linear = rolling.generators[:, :-1, :-1]
+    trivial = sizes[0] - _rank(linear.reshape(len(linear), -1))
+    sizes = tuple(size - trivial for size in sizes)
+    n, inputs = sizes[-1], sizes[0]
+    if len(sizes) == 1:
+        return "yes", "holonomic: the inputs are the rates of as many coordinates"
+    if inputs == 2:
+        flag, wanted = tuple(n - size for size in sizes), tuple(range(n - 2, -1, -1))
+        if flag == wanted:
+            return "yes", f"two inputs and derived flag {flag} as in K's theorem 1"
+        return "no", f"two inputs, derived flag {flag} instead of {wanted} (K theorem 1)"
+    if n <= inputs + 2:
+        return "yes", f"{n} states are at most two more than {inputs} inputs (K remark 11)"
+    return "?", f"{n} states exceed {inputs} inputs by {n - inputs}: no criterion is known"
+
+
+def _liouvillian(rolling: Rolling, flat: Answer) -> tuple[Answer, str]:
+    """Whether the rest follows by quadratures from outputs that can be chosen freely.
+
+    Rotations and contact directions in space do not commute and must be outputs; all else has
+    rates that do not depend on itself.  Where the rotation has two free rates only, the direction
+    of its first column is the output and the turn about it an integral (K proposition 7).
+    """
+    if flat == "yes":
+        return "yes", "flat: no integral is needed"
+    state = random_state(rolling, np.random.default_rng(1))
+    velocities = rolling.generators @ state
+    m = _rank(velocities)
+    rows = {name: velocities[:, place] for name, place in rolling.blocks.items()}
+    turning = np.concatenate([rows[name] for name in ("r0", "r1", "r2")], axis=1)
+    outputs = [turning if _rank(turning) == 3 else rows["r0"]]
+    wanted = min(_rank(turning), 3)
+    tips = [name for name in rows if name.startswith("e.")]
+    outputs += [rows[name] for name in tips]
+    wanted += 2 * len(tips)
+    if _rank(np.concatenate(outputs, axis=1)) < wanted:
+        return "?", "the contacts on the tips cannot be chosen freely beside the orientation"
+    whole = _rank(turning) == 3
+    named = ["orientation" if whole else "two of the RPY angles"]
+    named += ["contact points on the object"] if tips else []
+    named += ["free motion of the centre"] if m > wanted else []
+    rest = [] if whole else ["the third RPY angle"]
+    words = {"c": "contact points on plates", "q": "turns of the tips"}
+    rest += [word for key, word in words.items() if any(name[0] == key for name in rows)]
+    return "yes", f"outputs: {', '.join(named)}; integrals: {', '.join(rest)}"
+
+
+def classify(hand: Hand) -> Classification:
+    """Holonomy, flatness and the Liouvillian property of a hand's kinematics (K table 2.1).
+
+    Raises:
+        RigError: see `Rolling`.
+    """
+    rolling = Rolling.of(hand)
+    sizes = growth(rolling)
+    n, m, before = sizes[-1], sizes[0], _states_before(rolling)
+    flat, why_flat = _flat(rolling, sizes)
+    liouvillian, why_liouvillian = _liouvillian(rolling, flat)
+    left = before - m - (before - n)
+    whole = f"{before - n} of {before - m} rolling constraints integrate"
+    why = whole if left == 0 else f"{whole}, {left} do not"
+    return Classification(
+        hand.name if hand.spin else f"{hand.name} without spin",
+        n, m, before - m, sizes, left == 0, flat, liouvillian,
+        (why, why_flat, why_liouvillian),
+    )  # fmt: skip
+
+
+def table(hands: Iterable[Hand]) -> str:
+    """K's table 2.1 for hands, one line each."""
+    lines = [f"{'hand':<32}{'fingers':>8}{'n':>4}{'m':>4}  holonomic  flat  Liouvillian  flag"]
+    for hand in hands:
+        row = classify(hand)
+        lines.append(
+            f"{row.hand:<32}{len(hand.fingers):>8}{row.dimension:>4}{row.inputs:>4}  "
+            f"{'yes' if row.holonomic else 'no':<9}  {row.flat:<4}  {row.liouvillian:<11}  "
+            f"{row.derived_flag}"
+        )
+    return "\n".join(lines)

@@ -1,0 +1,136 @@
+"""Where round tips touch the object while it turns, and how the tips have to turn for it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.errors import PathError
+from ...models.hand_moves import HandMove
+from ...models.hands import Hand, Tip
+from ..rotation import product, sine_cosine
+from .series import (
+    apply,
+    between,
+    cross,
+    derivative,
+    dot,
+    quotient,
+    rotation_of,
+    share,
+)
+from .turning import AboutAxis, Turning
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class FixedTip:
+    """A tip that does not turn; the contact goes round at R / (R + r) of the object's turn."""
+
+    radius: float
+    object_radius: float
+    start: Array
+    """Direction from the object's centre to the contact at the beginning, in space, (3,)."""
+    turning: AboutAxis
+
+    def direction(self, times: Array, rotation: Array) -> Array:
+        """Series (orders, N, 3) of the direction to the contact, in space."""
+        del rotation  # the turn itself is known
+        factor = self.object_radius / (self.object_radius + self.radius)
+        return self.turning.turned(times, factor) @ self.start
+
+
+@dataclass(frozen=True, eq=False)
+class TurningTip:
+    """A tip turned by motors, so that its contact on the object goes where one wants."""
+
+    radius: float
+    object_radius: float
+    start: tuple[float, float]
+    """(azimuth, latitude) of the contact in the object's axes [rad]."""
+    goal: tuple[float, float]
+    move: HandMove
+    missing: Array | None
+    """The direction about which a tip with two axes cannot turn, (3,); None with three axes."""
+
+    def direction(self, times: Array, rotation: Array) -> Array:
+        """Series (orders, N, 3) of the direction to the contact, in space."""
+        part = share(times, self.move.duration, self.move.order)
+        angles = between(np.array(self.start), np.array(self.goal), part)
+        (sine, cosine), (height, level) = (sine_cosine(angles[..., i]) for i in (0, 1))
+        own = np.stack((product(level, cosine), product(level, sine), height), axis=-1)
+        return apply(rotation, own)
+
+    def spinning(self, direction: Array, rate: Array) -> Array:
+        """Series (orders - 1, N, 3) of the tip's angular velocity (K 2.100).
+
+        Rolling fixes it up to a spin about the contact normal: none with three axes, with two
+        what they need.  Takes the series of the direction and of the object's angular velocity.
+        """
+        moving = derivative(direction)
+        at = direction[: len(moving)]
+        reach = self.object_radius + self.radius
+        across = reach * moving - self.object_radius * cross(rate, at)
+        turn = cross(at, across) / self.radius
+        if self.missing is None:
+            return turn
+        wanted = np.zeros_like(at)
+        wanted[0] = self.missing
+        spin = quotient(dot(turn, wanted), dot(at, wanted))
+        return turn - product(np.broadcast_to(spin[..., None], at.shape), at)
+
+
+def _on_object(move: HandMove, i: int) -> tuple[float, float] | None:
+    return move.start_contacts[i] if move.start_contacts else None
+
+
+def tip_paths(hand: Hand, move: HandMove, turning: Turning) -> dict[str, FixedTip | TurningTip]:
+    """Paths of the contacts on a hand's round tips, by the finger's name.
+
+    Raises:
+        PathError: the move gives contacts for another number of fingers, or asks fixed tips for
+            a turn about a changing axis, or for contacts of their own.
+    """
+    tips = [finger for finger in hand.fingers if isinstance(finger.surface, Tip)]
+    for name in ("contacts", "start_contacts"):
+        given = len(getattr(move, name))
+        if given not in (0, len(tips)):
+            raise PathError(f"the move has {given} {name}, hand {hand.name} has {len(tips)} tips")
+    paths: dict[str, FixedTip | TurningTip] = {}
+    radius = hand.held.radius
+    for i, finger in enumerate(tips):
+        surface = finger.surface
+        assert isinstance(surface, Tip)
+        given_start = _on_object(move, i)
+        if surface.axes:
+            start = given_start or _angles(finger.contact)
+            goal = move.contacts[i] if move.contacts else start
+            missing = np.cross(*np.array(surface.axes)) if len(surface.axes) == 2 else None
+            paths[finger.name] = TurningTip(surface.radius, radius, start, goal, move, missing)
+            continue
+        if not isinstance(turning, AboutAxis):
+            raise PathError(
+                f"hand {hand.name}: the tip of finger {finger.name} is fixed and its contact "
+                f'goes where rolling takes it; turn the object with turning="axis", not '
+                f"{move.turning!r}"
+            )
+        if move.contacts:
+            raise PathError(f"hand {hand.name}: finger {finger.name} is fixed, give no contacts")
+        first = np.array(finger.contact)
+        if given_start is not None:
+            first = rotation_of(move.start) @ _direction(given_start)
+        paths[finger.name] = FixedTip(surface.radius, radius, first, turning)
+    return paths
+
+
+def _angles(direction: tuple[float, float, float]) -> tuple[float, float]:
+    x, y, z = direction
+    return (math.atan2(y, x), math.asin(max(-1.0, min(1.0, z))))
+
+
+def _direction(angles: tuple[float, float]) -> Array:
+    azimuth, latitude = angles
+    level = math.cos(latitude)
+    return np.array([level * math.cos(azimuth), level * math.sin(azimuth), math.sin(latitude)])
