@@ -58,7 +58,7 @@ def solve(rig: Rig, reference: Reference, times: ArrayLike) -> Motion:
     taylor = taylor_of(reference, instants, branch.order)
     guess = branch.near(instants)
     given = prescribe(rig, taylor)
-    solution = expand(branch.steps, len(guess), given, guess, follow=False)
+    solution = expand(branch.steps, len(guess), given, guess, follow=False, sides=branch.signs)
     error = failure(rig, branch.analysis, solution, branch.signs, instants, taylor[0])
     if error is not None:
         raise error
@@ -84,7 +84,7 @@ def _motion(
     at = np.clip(times, 0.0, branch.times[-1])
     for name, cos, sin in equations.turning:
         near = np.interp(at, branch.times, branch.angles[name])
-        columns[name] = _angle(state[cos], state[sin], near)
+        columns[name] = turning_angle(state[cos], state[sin], near)
     columns |= _bryant_angles(rig, equations, state, taylor)
     directors = {i for _, *pair in equations.turning for i in pair}
     directors |= {i for orientation in equations.orientations for i in orientation.directors}
@@ -137,7 +137,7 @@ def _bryant_angles(rig: Rig, equations: Equations, state: Array, taylor: Array) 
     return found
 
 
-def _angle(cos: Array, sin: Array, near: Array) -> Array:
+def turning_angle(cos: Array, sin: Array, near: Array) -> Array:
     """An angle and its two derivatives, (3, N), from those of its cosine and sine."""
     principal = np.arctan2(sin[0], cos[0])
     turns = np.round((near - principal) / (2.0 * np.pi))

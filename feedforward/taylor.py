@@ -15,7 +15,7 @@ tension and the pulley's height along them undetermined (Y 6.1.1); the motion go
 a place, and the limit is followed by steps of least norm from the guess.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,6 +68,7 @@ def expand(
     guess: Array,
     *,
     follow: bool,
+    sides: Mapping[int, float] | None = None,
 ) -> Solution:
     """Taylor coefficients of all unknowns at N samples.
 
@@ -79,6 +80,8 @@ def expand(
             sample alone, shape (unknowns, 1), if `follow`.
         follow: whether each sample continues the one before it, so that nonlinear blocks are
             solved by continuation from the first.
+        sides: signs of the blocks' determinants, if they are known; without them the guess picks
+            the roots of quadratics.
     """
     zero = np.zeros(reference.shape[1])
     series: Series = [[] for _ in range(unknowns)]
@@ -92,7 +95,8 @@ def expand(
                 ((row, order),), ((j, _),) = step.rows, step.columns
                 series[j][order] = reference[order, :, row.output]
                 continue
-            determinant, matrix = _solve(step, series, reference, guess, follow)
+            side = sides.get(step.block) if sides else None
+            determinant, matrix = _solve(step, series, reference, guess, follow, side)
             if step.loose:
                 straight |= _sign(determinant, matrix) == 0
             elif step.block not in signs:
@@ -102,14 +106,21 @@ def expand(
     return Solution(series, signs, straight)
 
 
-def _solve(step: Step, series: Series, reference: Array, guess: Array, follow: bool) -> Solved:
+def _solve(
+    step: Step,
+    series: Series,
+    reference: Array,
+    guess: Array,
+    follow: bool,
+    side: float | None,
+) -> Solved:
     """Replace the zeros that stand for a step's coefficients by their values."""
     if step.kind == "scalar":
         return _scalar(step, series, reference)
     if step.kind == "linear":
         return _linear(step, series, reference)
     if step.kind == "quadratic":
-        return _quadratic(step, series, reference, guess, follow)
+        return _quadratic(step, series, reference, guess, follow, side)
     values, determinant, matrix = (_continuation if follow else _newton)(
         step, series, reference, guess
     )
@@ -186,8 +197,15 @@ def _scalar(step: Step, series: Series, reference: Array) -> Solved:
     return np.atleast_1d(slope), None
 
 
-def _quadratic(step: Step, series: Series, reference: Array, guess: Array, follow: bool) -> Solved:
-    """Solve a w^2 + b w + c = 0 for the root on the guess's side of the vertex.
+def _quadratic(
+    step: Step,
+    series: Series,
+    reference: Array,
+    guess: Array,
+    follow: bool,
+    known: float | None,
+) -> Solved:
+    """Solve a w^2 + b w + c = 0 for the root on the known side of the vertex, or the guess's.
 
     The vertex moves along a path, past the guess even; the side stays the first sample's.
     """
@@ -204,7 +222,9 @@ def _quadratic(step: Step, series: Series, reference: Array, guess: Array, follo
         if one == j:
             b += factor
     side = np.sign(2.0 * a * guess[j] + b)
-    if follow:
+    if known is not None:
+        side = np.array([known])
+    elif follow:
         side = side[:1]
     determinant = side * np.sqrt(b * b - 4.0 * a * c)
     # Of the two forms of the root the one without cancellation.

@@ -38,8 +38,8 @@ minimal extension, twice                  1, 3   Y 5.25
 minimal extension, three times            1      for the 3D Navy crane, whose index is 7
 ========================================  =====  ==========================================
 
-Schemes: implicit Euler (the sources'), BDF 2 to 5, Radau IIA with 2 and 3 stages, and two that
-oscillate, the midpoint and the trapezoidal rule.
+Schemes: implicit Euler (the sources'), BDF 2 to 5, Radau IIA with 2 and 3 stages, the latter with a
+tolerance too, and two that oscillate, the midpoint and the trapezoidal rule.
 
 What to expect.  The outputs of these rigs are flat, so no scheme integrates anything: it only
 differentiates, from index nu the inputs nu - 1 times.  Places are therefore exact whatever the

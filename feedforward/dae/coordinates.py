@@ -85,12 +85,10 @@ class Coordinates:
             bend[np.ix_(directors, columns, columns)] = _rotation(angles, 2)
         self._complete(q)
         if self.eliminated:
-            hessian = e.constraints[list(self.eliminated), :-1, :-1]
-            gradient = e.constraint_jacobian(q)[list(self.eliminated)]
-            pivot = -np.linalg.inv(gradient[:, self.implicit])
+            hessian, gradient, pivot = self._eliminating(q)
             slope[list(self.implicit)] = pivot @ (gradient @ slope)
-            curved = _through(hessian, slope, slope) + np.tensordot(gradient, bend, 1)
-            bend[list(self.implicit)] = np.tensordot(pivot, curved, 1)
+            curved = slope.T @ hessian @ slope + _apply(gradient, bend)
+            bend[list(self.implicit)] = _apply(pivot, curved)
         return Place(q, slope, bend)
 
     def third(self, place: Place, x: Array, rate: Array) -> Array:
@@ -98,7 +96,6 @@ class Coordinates:
         result = np.zeros_like(place.slope)
         if place.bend is None:
             return result
-        e = self.equations
         for j, cos, sin in self._turning:
             result[cos, j] = place.q[sin] * rate[j] ** 2
             result[sin, j] = -place.q[cos] * rate[j] ** 2
@@ -108,12 +105,10 @@ class Coordinates:
                 "nijk,i,j->nk", _rotation(angles, 3), turn, turn
             )
         if self.eliminated:
-            hessian = e.constraints[list(self.eliminated), :-1, :-1]
-            gradient = e.constraint_jacobian(place.q)[list(self.eliminated)]
+            hessian, gradient, pivot = self._eliminating(place.q)
             turned = place.bend @ rate
             curved = hessian @ (turned @ rate) @ place.slope
             curved += 2.0 * (hessian @ (place.slope @ rate)) @ turned
-            pivot = -np.linalg.inv(gradient[:, self.implicit])
             result[list(self.implicit)] = pivot @ (curved + gradient @ result)
         return result
 
@@ -125,6 +120,20 @@ class Coordinates:
             b, c, a = row[i], 0.5 * (state @ row), self.equations.constraints[k, i, i]
             # A length is the larger root; a is negative there.
             q[i] = -c / b if a == 0.0 else -(b + np.sqrt(b * b - 2.0 * a * c)) / a
+
+    def _eliminating(self, q: Array) -> tuple[Array, Array, Array]:
+        """Second and first derivatives of the eliminated constraints, and minus the inverse of
+        the latter by the implicit coordinates.
+        """
+        matrices = self._matrices
+        gradient = matrices[:, :-1, :-1] @ q + matrices[:, :-1, -1]
+        pivot = np.asarray(-np.linalg.inv(gradient[:, self.implicit]), dtype=float)
+        return matrices[:, :-1, :-1], gradient, pivot
+
+    @cached_property
+    def _matrices(self) -> Array:
+        """Of the eliminated constraints."""
+        return self.equations.constraints[list(self.eliminated)]
 
     @cached_property
     def _plain(self) -> tuple[list[int], list[int]]:
@@ -148,8 +157,9 @@ class Coordinates:
         return found
 
 
-def _through(hessian: Array, left: Array, right: Array) -> Array:
-    return np.asarray(left.T @ hessian @ right)
+def _apply(matrix: Array, tensor: Array) -> Array:
+    """A matrix times the first axis of a tensor of three."""
+    return (matrix @ tensor.reshape(len(tensor), -1)).reshape(len(matrix), *tensor.shape[1:])
 
 
 def _rotation(angles: Array, order: int) -> Array:

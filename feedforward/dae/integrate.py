@@ -19,7 +19,8 @@ from .start import at_rest, start_angles
 
 Array = NDArray[np.float64]
 
-MOST_STEPS = 10_000_000
+MOST_STEPS = 1_000_000
+"""Of one integration."""
 FARTHEST = 1e4
 """Coordinates may grow to this multiple of their size at the start."""
 CHUNK = 512
@@ -164,6 +165,8 @@ def _controlled(
             if taken < SHORTEST * end:
                 reason = newton.reason if stepped is None else "the step becomes too short"
                 return times, states, Failure(now, taken, reason)
+        if len(states) > MOST_STEPS:
+            return times, states, Failure(now, taken, f"it would be the {MOST_STEPS + 1}st")
         best = SAFETY * error ** (-1.0 / (method.after(1) + 1)) if error > 0.0 else GROW
         h = taken * min(grow, max(SHRINK, best))
         # The step after a rejected one is not longer: the estimate remembers the step before.

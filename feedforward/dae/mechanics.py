@@ -98,7 +98,9 @@ class Mechanics:
         if place.bend is not None:
             moved = place.bend @ acceleration + self.coordinates.third(place, x, rate)
             position += across @ e.mass @ moved
-            position += np.tensordot(forces.unbalanced, place.bend, 1)
+            position += (forces.unbalanced @ place.bend.reshape(len(place.q), -1)).reshape(
+                position.shape
+            )
             turning = 2.0 * across @ e.mass @ (place.bend @ rate)
         return Slopes(
             position=position,

@@ -15,9 +15,9 @@ decays, and in z'', its difference, the same root -1 appears twice, so that the 
 number of steps.  That is the oscillation that Y 7 reports of midpoint-type rules.
 """
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
-from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,9 +69,9 @@ class Backward:
         """Implicit Euler or BDF k."""
         return "implicit Euler" if self.order == 1 else f"BDF {self.order}"
 
-    def after(self, differentiations: int) -> int:
+    def after(self, differentiations: int) -> float:
         """The same for all."""
-        return self.order
+        return self.order if differentiations else math.inf
 
     @property
     def memory(self) -> int:
@@ -94,14 +94,14 @@ class Backward:
         factors = np.zeros(self.order + 1)
         for j in range(1, self.order + 1):
             for i in range(j + 1):
-                factors[i] += (-1) ** i * comb(j, i) / j
+                factors[i] += (-1) ** i * math.comb(j, i) / j
         return factors
 
     @cached_property
     def forward(self) -> Array:
         """Extrapolation to z_(n+1) from z_n, z_(n-1), ..."""
         k = self.memory
-        return np.array([-((-1.0) ** i) * comb(k, i) for i in range(1, k + 1)])
+        return np.array([-((-1.0) ** i) * math.comb(k, i) for i in range(1, k + 1)])
 
     def step(
         self, equations: Formulation, newton: Newton, past: list[State], given: Array, h: float
@@ -129,9 +129,9 @@ class Trapezoidal:
     nodes: tuple[float, ...] = (1.0,)
     estimates: bool = False
 
-    def after(self, differentiations: int) -> int:
+    def after(self, differentiations: int) -> float:
         """The same for all, as long as nothing makes it oscillate."""
-        return 2
+        return self.order if differentiations else math.inf
 
     def step(
         self, equations: Formulation, newton: Newton, past: list[State], given: Array, h: float

@@ -25,7 +25,7 @@ TOLERANCE = 1e-14
 """Of the corrections, over the size of the unknowns that stand under derivatives."""
 FLOOR = 1e-8
 """Below which corrections that no longer shrink count as rounding."""
-NOISE = 1e-9
+NOISE = 1e-11
 """Up to which rounding is expected to come again at the next step."""
 SLOW = 0.03
 """A convergence rate above which a Jacobian that was kept is replaced."""

@@ -1,11 +1,13 @@
 """What an integration gives: the motion, what it cost, and where it ended if it failed."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..inverse import _angle
+from ..equations import Equations
+from ..inverse import turning_angle
 from ..motion import Motion, find_slack
 from ..rotation import bryant
 from .formulation import Formulation
@@ -45,62 +47,78 @@ class Integration:
 def motion_of(
     equations: Formulation, times: Array, states: list[State], angles: dict[str, float]
 ) -> Motion:
-    """Name the unknowns of N states; `angles` are those of the turning frames at the start.
-
-    Multipliers of constraints that the coordinates satisfy by themselves follow from the equations
-    of motion, in the sense of least squares.
-    """
-    c = equations.mechanics.coordinates
-    e, rig = c.equations, c.rig
-    n = len(e.names)
-    series = np.empty((3, len(times), n))
-    multipliers = np.zeros((len(times), len(e.constraint_names)))
-    inputs = np.empty((len(times), e.input_constant.shape[1]))
-    kept = list(c.multipliers)
-    lost = [k for k in range(multipliers.shape[1]) if k not in kept]
-    for i, state in enumerate(states):
-        rate, acceleration = equations.rates(*state)
-        forces = equations.mechanics.forces(state.z, rate, acceleration)
-        slope, bend = forces.place.slope, forces.place.bend
-        series[:, i] = forces.place.q, slope @ rate, slope @ acceleration
-        if bend is not None:
-            series[2, i] += bend @ rate @ rate
-        _, multipliers[i, kept], inputs[i] = equations.mechanics.split(state.z)
-        if lost:
-            pulls = forces.gradient[lost].T
-            multipliers[i, lost] = np.linalg.lstsq(pulls, -forces.unbalanced, rcond=None)[0]
+    """Name the unknowns of N states; `angles` are those of the turning frames at the start."""
+    e = equations.mechanics.coordinates.equations
+    rig = e.rig
+    found = [_polynomial(equations, state) for state in states]
+    series = np.array([part.series for part in found]).swapaxes(0, 1)
+    multipliers = np.array([part.multipliers for part in found])
     columns = {name: series[:, :, i] for i, name in enumerate(e.names)}
     hidden = {i for _, *pair in e.turning for i in pair}
     for name, cos, sin in e.turning:
         near = np.unwrap(np.arctan2(series[0, :, sin], series[0, :, cos]))
         turns = np.round((angles[name] - near[0]) / (2.0 * np.pi))
-        columns[name] = _angle(series[..., cos], series[..., sin], near + 2.0 * np.pi * turns)
+        columns[name] = turning_angle(series[..., cos], series[..., sin], near + 2.0 * np.pi * turns)
     for orientation in e.orientations:
         hidden |= set(orientation.directors)
         columns |= _bryant(series[..., list(orientation.directors)], orientation.angles)
     free = (name for i, name in enumerate(e.names) if i not in hidden)
     names = tuple(dict.fromkeys((*rig.coordinate_names, *free)))
-    positions, velocities, accelerations = np.array([columns[name] for name in names]).transpose(
-        1, 2, 0
-    )
-    ones = np.ones((len(times), 1))
-    lengths = np.hstack((series[0], ones))
-    tensions = np.zeros((len(times), len(rig.ropes)))
-    for i, (rope, spans, rows) in enumerate(zip(rig.ropes, e.spans, e.span_lengths, strict=True)):
-        falls = rope.falls if len(spans) == 1 else 1
-        tensions[:, i] = multipliers[:, spans[0]] * (lengths @ rows[0]) / falls
+    kinematics = np.array([columns[name] for name in names]).transpose(1, 2, 0)
+    tensions = _tensions(e, series[0], multipliers)
     return Motion(
         rig=rig,
         times=times,
         coordinate_names=names,
-        positions=positions,
-        velocities=velocities,
-        accelerations=accelerations,
-        inputs=inputs,
+        positions=kinematics[0],
+        velocities=kinematics[1],
+        accelerations=kinematics[2],
+        inputs=np.array([part.inputs for part in found]),
         tensions=tensions,
         multipliers=multipliers,
         slack=find_slack(rig, times, tensions),
     )
+
+
+class _Polynomial(NamedTuple):
+    """A state in the polynomial coordinates of the equations."""
+
+    series: Array
+    """Coordinates and their two derivatives, shape (3, n)."""
+    multipliers: Array
+    """Of all constraints, shape (m,)."""
+    inputs: Array
+
+
+def _polynomial(equations: Formulation, state: State) -> _Polynomial:
+    """Multipliers of constraints that the coordinates satisfy by themselves follow from the
+    equations of motion, in the sense of least squares.
+    """
+    mechanics = equations.mechanics
+    kept = list(mechanics.coordinates.multipliers)
+    rate, acceleration = equations.rates(*state)
+    forces = mechanics.forces(state.z, rate, acceleration)
+    slope, bend = forces.place.slope, forces.place.bend
+    second = slope @ acceleration
+    if bend is not None:
+        second = second + bend @ rate @ rate
+    multipliers = np.zeros(len(forces.gradient))
+    _, multipliers[kept], inputs = mechanics.split(state.z)
+    lost = [k for k in range(len(multipliers)) if k not in kept]
+    if lost:
+        pulls = forces.gradient[lost].T
+        multipliers[lost] = np.linalg.lstsq(pulls, -forces.unbalanced, rcond=None)[0]
+    return _Polynomial(np.array([forces.place.q, slope @ rate, second]), multipliers, inputs)
+
+
+def _tensions(e: Equations, states: Array, multipliers: Array) -> Array:
+    """Of the ropes where they leave their winches, shape (N, ropes)."""
+    ones = np.hstack((states, np.ones((len(states), 1))))
+    tensions = np.zeros((len(states), len(e.rig.ropes)))
+    for i, (rope, spans, rows) in enumerate(zip(e.rig.ropes, e.spans, e.span_lengths, strict=True)):
+        falls = rope.falls if len(spans) == 1 else 1
+        tensions[:, i] = multipliers[:, spans[0]] * (ones @ rows[0]) / falls
+    return tensions
 
 
 def _bryant(directors: Array, names: tuple[str, str, str]) -> dict[str, Array]:

@@ -12,14 +12,16 @@ order less: with the index left at 5 the inputs of Radau IIA with 3 stages have 
 converge, as Y 4.2 says.
 
 The rate at t_n of the polynomial through z_n and the stages differs from z'_n, the end of the last
-step's polynomial.  The difference has the order s of the rates' own error and serves as its
-estimate.
+step's polynomial.  The difference has the order s of the rates' own error and, with three stages,
+serves as its estimate.  With two stages it does not: it vanishes when a step is sqrt 2 times as
+long as the one before.
 
 The midpoint rule meets the equations in the middle of a step and goes twice as far: whatever is
 wrong with z_n, z'_n and the inputs comes back with the other sign, and grows as it does with the
 trapezoidal rule (see `multistep`).
 """
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -44,14 +46,25 @@ class Collocation:
     nodes: tuple[float, ...]
     memory: int = 1
 
-    def after(self, differentiations: int) -> int:
-        """One less each time, from the order of the polynomial's first derivative."""
-        return len(self.nodes) + 1 - differentiations if self.estimates else 2
+    def after(self, differentiations: int) -> float:
+        """One less each time, from the order of the polynomial's first derivative.
+
+        The midpoint rule has its order in everything, also in what the equations give exactly at
+        its node, as long as nothing makes it oscillate.
+        """
+        if not self.stiffly_accurate:
+            return self.order
+        return len(self.nodes) + 1 - differentiations if differentiations else math.inf
+
+    @property
+    def stiffly_accurate(self) -> bool:
+        """Whether the last stage is the next state."""
+        return self.nodes[-1] == 1.0
 
     @property
     def estimates(self) -> bool:
-        """If the last stage is the next state."""
-        return self.nodes[-1] == 1.0
+        """With three stages."""
+        return self.stiffly_accurate and len(self.nodes) == 3
 
     @cached_property
     def differences(self) -> Array:
@@ -110,7 +123,7 @@ class Collocation:
             return None
         places = flat.reshape(stages, size)
         rates, seconds = derivatives(places)
-        if self.estimates:
+        if self.stiffly_accurate:
             jump = self.begin @ (places - now.z) / h - now.zd
             return Stepped(State(places[-1], rates[-1], seconds[-1]), jump)
         z = 2.0 * places[0] - now.z

@@ -10,7 +10,6 @@ nu - 2 and the inputs nu - 1 (`orders`).  On systems that are not flat the posit
 problem have the order of an integration, 2 s - 1 for Radau IIA with s stages; here they are exact.
 """
 
-import math
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -57,8 +56,8 @@ class Scheme(Protocol):
     def order(self) -> int:
         """On ordinary differential equations."""
 
-    def after(self, differentiations: int) -> int:
-        """Order of what so many numerical differentiations yield, one or more."""
+    def after(self, differentiations: int) -> float:
+        """Order of what so many numerical differentiations yield; infinite for none."""
 
     @property
     def memory(self) -> int:
@@ -70,7 +69,7 @@ class Scheme(Protocol):
 
     @property
     def estimates(self) -> bool:
-        """Whether it estimates its error and takes steps of any length."""
+        """Whether it estimates its error, so that a tolerance can choose the steps."""
 
     def step(
         self, equations: Formulation, newton: Newton, past: list[State], given: Array, h: float
@@ -88,4 +87,4 @@ class Scheme(Protocol):
 
 def orders(scheme: Scheme, index: int) -> Orders:
     """Orders of convergence along smooth references on a flat rig's equations of some index."""
-    return Orders(*(scheme.after(index - less) if index > less else math.inf for less in (3, 2, 1)))
+    return Orders(*(scheme.after(max(index - less, 0)) for less in (3, 2, 1)))
