@@ -41,6 +41,14 @@ class Entry(NamedTuple):
 
 
 ENTRIES: dict[str, Entry] = {
+    "K2.table": Entry("which hands are holonomic, flat, Liouvillian", "figures_k2:table"),
+    "K2.13": Entry("planar hand: object and fingers", "figures_k2:planar"),
+    "K2.14": Entry("contact forces of K2.13, and in the cones", "figures_k2_grasp:planar_forces"),
+    "K2.15": Entry("ball rolling without spin: orientation", "figures_k2:without_spinning"),
+    "K2.16": Entry("ball in a corner: orientation", "figures_k2:in_corner"),
+    "K2.17": Entry("ball in a corner: contact points", "figures_k2:contacts_in_corner"),
+    "K2.18": Entry("three fingers: contact forces", "figures_k2_grasp:three_finger_forces"),
+    "K2.19": Entry("three fingers: where forces pull or slip", "figures_k2_grasp:cosines"),
     "K3.13": Entry("horizontal move of the small Navy crane's load", "figures_k3:horizontal"),
     "K3.14": Entry("torques for the move of K3.13", "figures_k3:horizontal_torques"),
     "K3.15": Entry("the same places joined by a parabola", "figures_k3:parabola"),
@@ -68,6 +76,12 @@ def main(command: options.Reproduce) -> None:
         for name, entry in ENTRIES.items():
             shown.add_row(name, entry.title)
         out.print(shown)
+        return
+    if command.page:
+        from .gallery import write
+
+        write(Path(command.page), [(name, ENTRIES[name]) for name in _chosen(command.name)])
+        out.print(f"wrote {command.page}", soft_wrap=True)
         return
     folder = Path(command.output or FOLDER)
     for name in _chosen(command.name):
