@@ -98,6 +98,7 @@ __all__ = [
     "cable_manipulator",
     "cantilever_crane",
     "compile",
+    "compile_hand",
     "default_hand_move",
     "default_move",
     "dump",
@@ -131,3 +132,14 @@ def compile(rig: Rig, **options: Any) -> "mujoco.MjModel":
     from . import mjcf
 
     return mjcf.compile(rig, **options)
+
+
+def compile_hand(hand: Hand, **options: Any) -> "mujoco.MjModel":
+    """The hand's MuJoCo model; see `flatrig.models.hand_mjcf.compile_hand` for the options.
+
+    Raises:
+        ModelError: the object cannot be held at home, or MuJoCo refuses the model.
+    """
+    from . import hand_mjcf
+
+    return hand_mjcf.compile_hand(hand, **options)

@@ -235,15 +235,16 @@ HAND_CATALOGUE: dict[str, Callable[..., Hand]] = {
 
 
 def full_hand_name(name: str) -> str:
-    """The catalogue's name for a name that may be hyphenated.
+    """The catalogue's name for a name that may be short or hyphenated ("two-finger").
 
     Raises:
         RigError: no hand of the catalogue is called so.
     """
     plain = word("the name of a hand", name).replace("-", "_").lower()
-    if plain not in HAND_CATALOGUE:
-        raise RigError(f"there is no hand {name!r}{did_you_mean(plain, HAND_CATALOGUE)}")
-    return plain
+    for known in HAND_CATALOGUE:
+        if plain in (known, known.replace("_hand", "")):
+            return known
+    raise RigError(f"there is no hand {name!r}{did_you_mean(plain, HAND_CATALOGUE)}")
 
 
 def make_hand(name: str, **overrides: Any) -> Hand:
