@@ -92,7 +92,13 @@ def _start(name: str, value: ArrayLike, size: int) -> Array:
 def accelerations(
     model: mujoco.MjModel, qpos: ArrayLike, qvel: ArrayLike, ctrl: ArrayLike
 ) -> Array:
-    """Joint accelerations (N, nv) in N unrelated states, `qpos` (N, nq), `ctrl` (N, nu)."""
+    """Joint accelerations (N, nv) in N unrelated states, `qpos` (N, nq), `ctrl` (N, nu).
+
+    Raises
+    ------
+    ModelError
+        A state or input is so large that MuJoCo gives up on it.
+    """
     position = np.atleast_2d(np.asarray(qpos, dtype=float))
     batch = Batch(model, nsim=len(position), nthread=1)
     batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
@@ -101,4 +107,7 @@ def accelerations(
     batch.qvel = np.atleast_2d(np.asarray(qvel, dtype=float))
     batch.ctrl = np.atleast_2d(np.asarray(ctrl, dtype=float))
     batch.forward()
+    if batch.warning.any():
+        sample = int(batch.warning.reshape(len(position), -1).any(axis=1).argmax())
+        raise ModelError(f"state {sample} or its inputs are beyond what MuJoCo takes (1e10)")
     return np.array(found)

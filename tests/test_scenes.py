@@ -108,6 +108,13 @@ def test_run_refuses_what_cannot_be():
         run.run(model, [np.nan, 0, 0], start[1], still)
 
 
+def test_accelerations_are_refused_where_mujoco_gives_up():
+    model = models.compile(models.overhead_crane(), visuals=False)
+    home, still = np.array(model.key_qpos[0]), np.zeros(model.nv)
+    with pytest.raises(ModelError, match="state 1 or its inputs are beyond what MuJoCo takes"):
+        run.accelerations(model, [home] * 2, [still] * 2, [[1.0, 0.0], [1.1e10, 0.0]])
+
+
 def test_run_without_steps_is_the_start():
     model = mjcf.compile(models.overhead_crane(), visuals=False)
     start = np.array([1.0, 2.0, 3.0])
