@@ -27,7 +27,9 @@ MOST_LOOKS = 20_000
 
 
 def show_catalogue(_: options.List) -> None:
-    """Print a table of the rigs."""
+    """Print a table of the rigs and one of the hands."""
+    from . import describe_hands
+
     shown = table("Rigs", "name", "inputs", "outputs", "move", right=False)
     for name in CATALOGUE:
         rig, move = make(name), default_move(name)
@@ -35,10 +37,16 @@ def show_catalogue(_: options.List) -> None:
         inputs = ", ".join(f"{input} [{unit}]" for input, unit in zip(*_inputs(rig), strict=True))
         shown.add_row(name, inputs, ", ".join(rig.outputs), f"{ends} m in {move.duration:g} s")
     console().print(shown)
+    describe_hands.show_catalogue()
 
 
 def show_analysis(command: options.Analyse) -> None:
     """Print the structure of the rig's equations and what the move asks of the rig."""
+    if options.is_hand(command.rig):
+        from . import describe_hands
+
+        describe_hands.show_analysis(command)
+        return
     rig, move = command.target()
     analysis = analyse(rig)
     out = console()
@@ -110,9 +118,14 @@ def _show_sizing(report: Feasibility) -> None:
 
 def write_solution(command: options.Solve) -> None:
     """Solve for the inputs, print a summary and write the CSV."""
+    if options.is_hand(command.rig):
+        from . import describe_hands
+
+        describe_hands.write_solution(command)
+        return
     rig, move = command.target()
     reference = from_move(move)
-    motion = solve(rig, reference, sample_times(reference, command.rate))
+    motion = solve(rig, reference, sample_times(reference.duration, command.rate))
     if command.output:
         motion.to_csv(command.output)
     feasible = _show_motion(motion, reference)
@@ -123,21 +136,21 @@ def write_solution(command: options.Solve) -> None:
         console().print(f"wrote {command.output}: {len(motion.times)} samples", soft_wrap=True)
 
 
-def sample_times(reference: Reference, rate: float) -> np.ndarray:
-    """Instants from 0 to the end of the path, `rate` in a second, both ends included; (N,).
+def sample_times(duration: float, rate: float, most: int = MOST_SAMPLES) -> np.ndarray:
+    """Instants from 0 to the end of a path, `rate` in a second, both ends included; (N,).
 
     Raises:
         OptionError: the rate is not a finite number > 0, or makes too many samples.
     """
     options.check_number("--rate", rate, unit="Hz")
-    if reference.duration * rate > MOST_SAMPLES:
+    if duration * rate > most:
         raise OptionError(
-            f"--rate is {rate:g} Hz, which makes {reference.duration * rate:.3g} samples; "
-            f"it must be <= {MOST_SAMPLES / reference.duration:g} Hz"
+            f"--rate is {rate:g} Hz, which makes {duration * rate:.3g} samples; "
+            f"it must be <= {most / duration:g} Hz"
         )
-    times = np.arange(int(reference.duration * rate * (1 + 1e-12)) + 1) / rate
-    if reference.duration - times[-1] > 1e-9 * reference.duration:
-        times = np.append(times, reference.duration)
+    times = np.arange(int(duration * rate * (1 + 1e-12)) + 1) / rate
+    if duration - times[-1] > 1e-9 * duration:
+        times = np.append(times, duration)
     return times
 
 
