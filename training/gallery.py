@@ -21,7 +21,7 @@ from .console import console
 if TYPE_CHECKING:
     from .reproduce import Entry
 
-WIDTH, COLOURS = 720, 32
+WIDTH, COLOURS = 720, 64
 """Of the pictures: pixels, and colours of their palette."""
 COLUMNS = 110
 """Of the tables."""
@@ -104,7 +104,8 @@ def _shrink(drawn: Path, small: Path) -> None:
     with Image.open(drawn) as picture, replacing(small) as beside:
         height = round(picture.height * WIDTH / picture.width)
         plain = picture.convert("RGB").resize((WIDTH, height), Image.Resampling.LANCZOS)
-        plain.quantize(COLOURS).save(beside, "PNG", optimize=True)
+        few = plain.quantize(COLOURS, Image.Quantize.FASTOCTREE)  # others merge blue and green
+        few.save(beside, "PNG", optimize=True)
 
 
 def _text(shown: Table) -> str:

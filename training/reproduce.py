@@ -63,6 +63,21 @@ ENTRIES: dict[str, Entry] = {
     "friction": Entry("winch friction and its compensation, K remarks 31, 32", "rubbing:figure"),
     "stability": Entry("PD on many initial states, K theorems 6 to 9", "stability:figure"),
 }
+ENTRIES |= {
+    "Y2.7": Entry("rotary crane let go, by angles: energy", "figures_y2:angles_balance"),
+    "Y2.8": Entry("rotary crane let go, by angles: snapshots", "figures_y2:angles_snapshots"),
+    "Y2.10": Entry("rotary crane let go, by directors: energy", "figures_y2:directors_balance"),
+    "Y2.11": Entry("rotary crane let go, directors: snapshots", "figures_y2:directors_snapshots"),
+    "Y3.2": Entry("squeezing mechanism: hinge P", "figures_y3:hinge"),
+    "Y3.3": Entry("squeezing mechanism: angle of the crank", "figures_y3:crank"),
+    "Y3.4": Entry("squeezing mechanism: energy, 3e-4 s", "figures_y3:balance_coarse"),
+    "Y3.5": Entry("energy, 3e-4 s, in detail", "figures_y3:balance_coarse_closely"),
+    "Y3.6": Entry("squeezing mechanism: energy, 3e-5 s", "figures_y3:balance_fine"),
+    "Y3.7": Entry("energy, 3e-5 s, in detail", "figures_y3:balance_fine_closely"),
+    "Y3.8": Entry("squeezing mechanism: snapshots", "figures_y3:snapshots"),
+    "squeezer": Entry("work and precision on the squeezing mechanism", "work_precision:figure"),
+    "integrators": Entry("what integrators keep of the free crane", "conserved:figure"),
+}
 ENTRIES |= {"Y4.6": Entry("the three-phase profile", "figures_y:reference_function")}
 ENTRIES |= {name: Entry(sheet.title, "figures_y:draw") for name, sheet in sheets().items()}
 """By the source (K = Kiss 2001, Y = Yang 2016) and the figure's number, or by what it is about."""
