@@ -17,7 +17,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..models.errors import OptionError, PathError
 from ..models.rig import Drive, Frame, Rig, Rope
@@ -25,7 +24,7 @@ from .branch import accept_columns
 from .checks import FloatArray, as_number
 from .inverse import solve
 from .motion import Motion, Slack
-from .reference import Reference
+from .reference import OfPath, Reference
 from .refusal import RAIL_TOLERANCE
 from .structure import analyse
 
@@ -104,8 +103,11 @@ class Feasibility:
 
 
 @dataclass(frozen=True)
-class AsSmooth:
-    """A path that is taken to have as many continuous derivatives as `order` says."""
+class AsSmooth(OfPath):
+    """A path that is taken to have as many continuous derivatives as `order` says.
+
+    Those it has not are one-sided.
+    """
 
     path: Reference
     order: int
@@ -114,29 +116,6 @@ class AsSmooth:
     def duration(self) -> float:
         """As of the path [s]."""
         return self.path.duration
-
-    @property
-    def size(self) -> int:
-        """Number of columns."""
-        return self.path.size
-
-    @property
-    def start(self) -> FloatArray:
-        """Shape (size,)."""
-        return self.path.start
-
-    @property
-    def goal(self) -> FloatArray:
-        """Shape (size,)."""
-        return self.path.goal
-
-    def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
-        """Those of the path, one-sided where it is not smooth.  Shape (order+1, N, size)."""
-        return self.path.derivatives(times, order)
-
-    def __call__(self, times: ArrayLike) -> FloatArray:
-        """Values at `times` (N,), shape (N, size)."""
-        return self.path(times)
 
 
 def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:

@@ -74,6 +74,35 @@ class Reference(Protocol):
         """Of the path's data: solutions are remembered by it."""
 
 
+class OfPath:
+    """What a path made from another one, its `path`, has from that one."""
+
+    path: Reference
+
+    @property
+    def size(self) -> int:
+        """Number of columns."""
+        return self.path.size
+
+    @property
+    def start(self) -> FloatArray:
+        """Shape (size,)."""
+        return self.path.start
+
+    @property
+    def goal(self) -> FloatArray:
+        """Shape (size,)."""
+        return self.path.goal
+
+    def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
+        """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size)."""
+        return self.path.derivatives(times, order)
+
+    def __call__(self, times: ArrayLike) -> FloatArray:
+        """Values at `times` (N,), shape (N, size)."""
+        return np.asarray(self.derivatives(times, 0)[0])
+
+
 @dataclass(frozen=True)
 class StraightPath:
     """A straight line from `begin` to `end`, covered as a scalar profile says.

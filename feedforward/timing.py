@@ -29,7 +29,7 @@ from ..models.rig import Rig
 from .checks import FloatArray, as_number, check_derivative, check_duration, check_times
 from .feasibility import TAUT, driven_unit
 from .inverse import solve
-from .reference import Reference
+from .reference import OfPath, Reference
 
 SAMPLES, FINE = 501, 5001
 """Samples along a move in the search, and to verify what it found."""
@@ -42,7 +42,7 @@ PRECISION = 1e-4
 
 
 @dataclass(frozen=True)
-class Scaled:
+class Scaled(OfPath):
     """A path that another one takes, in another time.
 
     Raises:
@@ -61,21 +61,6 @@ class Scaled:
         """Number of continuous derivatives."""
         return self.path.order
 
-    @property
-    def size(self) -> int:
-        """Number of columns."""
-        return self.path.size
-
-    @property
-    def start(self) -> FloatArray:
-        """Shape (size,)."""
-        return self.path.start
-
-    @property
-    def goal(self) -> FloatArray:
-        """Shape (size,)."""
-        return self.path.goal
-
     def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
         """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size)."""
         order = check_derivative(order)
@@ -85,10 +70,6 @@ class Scaled:
         before = np.where(times == self.duration, self.path.duration, times * pace)
         result = self.path.derivatives(before, order)
         return np.asarray(result * (pace ** np.arange(order + 1.0))[:, None, None])
-
-    def __call__(self, times: ArrayLike) -> FloatArray:
-        """Values at `times` (N,), shape (N, size)."""
-        return np.asarray(self.derivatives(times, 0)[0])
 
 
 def scaled(reference: Reference, duration: float) -> Scaled:

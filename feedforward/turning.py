@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from ..models.errors import PathError
 from .checks import FloatArray, check_times
-from .reference import StraightPath
+from .reference import OfPath, StraightPath
 from .rotation import bryant, sine_cosine
 
 SMALLEST_COSINE = 1e-6
@@ -27,7 +27,7 @@ SMALLEST_COSINE = 1e-6
 
 
 @dataclass(frozen=True)
-class FixedAxis:
+class FixedAxis(OfPath):
     """A straight path three of whose columns are the Bryant angles of a turn about one axis.
 
     Raises:
@@ -55,16 +55,6 @@ class FixedAxis:
     def duration(self) -> float:
         """When the goal is reached [s]."""
         return self.path.duration
-
-    @property
-    def size(self) -> int:
-        """Number of columns."""
-        return self.path.size
-
-    @property
-    def start(self) -> FloatArray:
-        """Shape (size,)."""
-        return self.path.start
 
     @property
     def goal(self) -> FloatArray:
@@ -110,10 +100,6 @@ class FixedAxis:
         angles = bryant(rotation) * factorials[:, None, None]
         result[..., list(self.columns)] = angles
         return result
-
-    def __call__(self, times: ArrayLike) -> FloatArray:
-        """Values at `times` (N,), shape (N, size)."""
-        return np.asarray(self.derivatives(times, 0)[0])
 
 
 def fixed_axis(path: StraightPath, columns: Sequence[int]) -> FixedAxis:
