@@ -1,11 +1,15 @@
-"""Gymnasium environments of the cranes, with controllers as wrappers.
+"""Gymnasium environments of the cranes and hands, with controllers as wrappers.
 
     import gymnasium as gym, flatrig.envs as envs
     env = gym.make("flatrig/OverheadCrane-v0", disturbances="standard")
     env = envs.Feedforward(envs.PD(env))                 # zero action: feedforward + PD
     vector = gym.make_vec("flatrig/OverheadCrane-v0", num_envs=64)
 
-Importing this package registers them; `flatrig.envs.task` documents their options.
+    env = gym.make("flatrig/TwoFingerHand-v0", disturbances="standard", sensors="full")
+    env = envs.PoseFeedback(envs.Feedforward(envs.PD(env)))
+
+Importing this package registers them; `flatrig.envs.task` documents the options of cranes,
+`flatrig.envs.hand_task` those of hands.
 """
 
 import gymnasium as gym
@@ -13,6 +17,11 @@ import gymnasium as gym
 from .compensation import FrictionCompensation
 from .controllers import PD, Feedforward, Residual
 from .disturbances import Disturbances, Scenario, design
+from .hand_disturbances import HandDisturbances, HandScenario, hand_design
+from .hand_env import HandEnv, HandVectorEnv
+from .hand_goals import RandomGoals
+from .hand_task import HandTask
+from .pose_feedback import PoseFeedback
 from .references import RandomMoves
 from .single import CraneEnv
 from .task import CraneTask, Outcome
@@ -20,6 +29,7 @@ from .vector import CraneVectorEnv
 
 __all__ = [
     "ENVIRONMENTS",
+    "HAND_ENVIRONMENTS",
     "OWN",
     "PD",
     "CraneEnv",
@@ -28,11 +38,19 @@ __all__ = [
     "Disturbances",
     "Feedforward",
     "FrictionCompensation",
+    "HandDisturbances",
+    "HandEnv",
+    "HandScenario",
+    "HandTask",
+    "HandVectorEnv",
     "Outcome",
+    "PoseFeedback",
+    "RandomGoals",
     "RandomMoves",
     "Residual",
     "Scenario",
     "design",
+    "hand_design",
 ]
 
 OWN = "flatrig/Rig-v0"
@@ -50,6 +68,15 @@ ENVIRONMENTS = {
 }
 """Rig of the catalogue for each registered environment."""
 
+HAND_ENVIRONMENTS = {
+    "flatrig/BallOnPlate-v0": "ball_on_plate",
+    "flatrig/BallBetweenPlates-v0": "ball_between_plates",
+    "flatrig/BallInCorner-v0": "ball_in_corner",
+    "flatrig/TwoFingerHand-v0": "two_finger_hand",
+    "flatrig/ThreeFingerHand-v0": "three_finger_hand",
+}
+"""Hand of the catalogue for each registered environment."""
+
 for _name, _rig in (*ENVIRONMENTS.items(), (OWN, None)):
     if _name not in gym.registry:
         # Gymnasium's checking wrappers cost as much as the task itself; the tests run them.
@@ -58,6 +85,17 @@ for _name, _rig in (*ENVIRONMENTS.items(), (OWN, None)):
             entry_point="flatrig.envs.single:CraneEnv",
             vector_entry_point="flatrig.envs.vector:CraneVectorEnv",
             kwargs={} if _rig is None else {"rig": _rig},
+            disable_env_checker=True,
+            order_enforce=False,
+        )
+
+for _name, _hand in HAND_ENVIRONMENTS.items():
+    if _name not in gym.registry:
+        gym.register(
+            _name,
+            entry_point="flatrig.envs.hand_env:HandEnv",
+            vector_entry_point="flatrig.envs.hand_env:HandVectorEnv",
+            kwargs={"hand": _hand},
             disable_env_checker=True,
             order_enforce=False,
         )

@@ -78,6 +78,8 @@ def FrictionCompensation(
         a `Residual` stands below.
     """
     task = task_of(env)
+    if not isinstance(task, CraneTask):
+        raise OptionError(f"{env} is no crane, FrictionCompensation is for drives of cranes")
     refuse_below(env, "FrictionCompensation")
     if speed not in ("reference", "measured"):
         raise OptionError(f'speed is {speed!r}, it must be "reference" or "measured"')

@@ -26,9 +26,9 @@ from gymnasium.vector import VectorEnv, VectorWrapper
 from numpy.typing import ArrayLike, NDArray
 
 from ..models.errors import OptionError
+from .episodes import Task
 from .options import actions_of, number
-from .task import CraneTask
-from .tuning import Gains, Track, gains_of
+from .tuning import Gains, Track
 
 Array = NDArray[np.float64]
 AnyEnv = gym.Env[Any, Any] | VectorEnv[Any, Any, Any]
@@ -54,18 +54,18 @@ class PDLaw(Law):
 
     name = "PD"
 
-    def __init__(self, task: CraneTask, gains: Gains, moving: bool, hold: bool) -> None:
-        self._task, self._moving, self._hold = task, moving, hold
-        self._gains = np.concatenate((gains.stiffness / task.limits, gains.damping / task.limits))
+    def __init__(self, task: Task, gains: Gains, moving: bool, hold: bool) -> None:
+        self._task, self.moving, self._hold = task, moving, hold
+        self.gains = np.concatenate((gains.stiffness / task.limits, gains.damping / task.limits))
 
     def apply(self, actions: Array) -> Array:
         """Add the feedback."""
         encoders, drives = self._task.encoders, len(self._task.limits)
-        if self._moving:
-            feedback = encoders.errors * self._gains
+        if self.moving:
+            feedback = encoders.errors * self.gains
         else:
-            feedback = encoders.measured * -self._gains
-            feedback[:, :drives] += self._task.rows.goal * self._gains[:drives]
+            feedback = encoders.measured * -self.gains
+            feedback[:, :drives] += self._task.rows.goal * self.gains[:drives]
         inputs = feedback[:, :drives] + feedback[:, drives:]
         inputs += actions
         if self._hold:
@@ -77,7 +77,7 @@ class PDLaw(Law):
         return self._held() if self._hold else None
 
     def _held(self) -> Array:
-        return self._task.rows.parts["holding"] if self._moving else self._task.rows.goal_inputs
+        return self._task.rows.parts["holding"] if self.moving else self._task.rows.goal_inputs
 
 
 class FeedforwardLaw(Law):
@@ -85,7 +85,7 @@ class FeedforwardLaw(Law):
 
     name = "Feedforward"
 
-    def __init__(self, task: CraneTask, below: Law | None) -> None:
+    def __init__(self, task: Task, below: Law | None) -> None:
         self._task, self._below = task, below
 
     def apply(self, actions: Array) -> Array:
@@ -183,8 +183,8 @@ def PD(
         raise OptionError(f'track is {track!r}, it must be "moving" or "set point"')
     asked = {"stiffness": stiffness, "damping": damping}
     given = {name: _gain(task, name, value) for name, value in asked.items() if value is not None}
-    gains = gains_of(task, track)._replace(**given)
-    held = any(law.holding() is not None for law in _laws(env))
+    gains = task.gains(track)._replace(**given)
+    held = any(law.holding() is not None for law in laws_of(env))
     law = PDLaw(task, gains, track == "moving", not held)
     return wrap(env, law, track=track, **{name: value.tolist() for name, value in given.items()})
 
@@ -199,7 +199,7 @@ def Feedforward(env: AnyEnv) -> Any:
     """
     task = task_of(env)
     refuse_below(env, "Feedforward")
-    holders = [law for law in _laws(env) if law.holding() is not None]
+    holders = [law for law in laws_of(env) if law.holding() is not None]
     return wrap(env, FeedforwardLaw(task, holders[0] if holders else None))
 
 
@@ -218,16 +218,16 @@ def Residual(env: AnyEnv, fraction: float = 0.2) -> Any:
     return wrap(env, ResidualLaw(number("fraction", fraction, above=0, most=1)), fraction=fraction)
 
 
-def task_of(env: AnyEnv) -> CraneTask:
+def task_of(env: AnyEnv) -> Task:
     """The task below all wrappers.
 
     Raises
     ------
     OptionError
-        There is none: `env` is not a crane.
+        There is none: `env` is neither a crane nor a hand.
     """
     task = getattr(getattr(env, "unwrapped", None), "task", None)
-    if not isinstance(task, CraneTask):
+    if not isinstance(task, Task):
         raise OptionError(f"{env} is not an environment of flatrig")
     return task
 
@@ -239,7 +239,7 @@ def wrap(env: AnyEnv, law: Law, **options: Any) -> Controller | VectorController
     return Controller(env, law, options)
 
 
-def _laws(env: AnyEnv) -> Iterator[Law]:
+def laws_of(env: AnyEnv) -> Iterator[Law]:
     """Those of the controllers in an environment, from the top."""
     layer: Any = env
     while layer is not layer.unwrapped:
@@ -250,7 +250,7 @@ def _laws(env: AnyEnv) -> Iterator[Law]:
 
 def refuse_below(env: AnyEnv, name: str) -> None:
     """Nothing is added twice, and nothing above a residual, which would clip and scale it."""
-    for law in _laws(env):
+    for law in laws_of(env):
         if law.name == name:
             raise OptionError(f"{name} stands below already, it must be there once")
         if isinstance(law, ResidualLaw):
@@ -259,8 +259,8 @@ def refuse_below(env: AnyEnv, name: str) -> None:
             )
 
 
-def _gain(task: CraneTask, name: str, value: ArrayLike) -> Array:
-    count = len(task.rig.drives)
+def _gain(task: Task, name: str, value: ArrayLike) -> Array:
+    count = len(task.limits)
     try:
         gains = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
@@ -268,6 +268,6 @@ def _gain(task: CraneTask, name: str, value: ArrayLike) -> Array:
     if gains.shape not in ((), (count,)) or not (np.isfinite(gains) & (gains >= 0)).all():
         raise OptionError(
             f"{name} is {value!r}, it must be {count} numbers >= 0, one for each of "
-            f"{', '.join(task.rig.input_names)}"
+            f"{', '.join(task.action_names)}"
         )
     return np.broadcast_to(gains, (count,)).copy()

@@ -33,6 +33,8 @@ class Layout:
 
     drives: int
     outputs: int
+    rates: int = 0
+    """Output rates, where they are not as many as outputs."""
 
     @cached_property
     def columns(self) -> dict[str, slice]:
@@ -40,7 +42,7 @@ class Layout:
         widths = {
             "drives": 2 * self.drives,
             "outputs": self.outputs,
-            "output_rates": self.outputs,
+            "output_rates": self.rates or self.outputs,
             "feedforward": self.drives,
             "holding": self.drives,
             "preview": self.drives * len(AHEAD),

@@ -81,6 +81,7 @@ class Plant:
         threads = min(num, os.cpu_count() or 1) if nthread is None else int(nthread)
         self.batch = Batch(self.model, num, threads, persistent=True)
         self.home = np.array(self.model.key_qpos[0])
+        self.home_inputs = np.array(self.model.key_ctrl[0])
         self.geometry = geometry_of(rig, self.model, self.home)
         self._bind(rates)
         self._allocate()
@@ -246,14 +247,19 @@ class Plant:
         return np.asarray(joint_state(self.rig, self.model, values).qpos[0])
 
 
+def leave_no_log() -> None:
+    """Send MuJoCo's warnings to the console only, and leave no file in the user's folder."""
+    log = mujoco.MjLogConfig.get()
+    if log.logfile == LOG:
+        log.logto_file = False
+        log.set()
+
+
 def _model(
     rig: Rig, timestep: float, friction: bool, rates: bool, massless: float | None
 ) -> mujoco.MjModel:
     """The rig's bare physics, with the loads' velocities as sensors if asked for."""
-    log = mujoco.MjLogConfig.get()
-    if log.logfile == LOG:  # warnings go to the console; leave no file in the user's folder
-        log.logto_file = False
-        log.set()
+    leave_no_log()
     scene = mjcf.spec(rig, timestep=timestep, visuals=False, friction=friction, massless=massless)
     # A state that is not finite must show, not be replaced by the initial one without a word.
     scene.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)

@@ -1,29 +1,24 @@
-"""Pictures of a crane for `render`: made of a copy of its state, in a model of its own."""
+"""Pictures for `render`: made of a copy of a simulation's state, in a model with looks."""
 
 from typing import Any
 
 import mujoco
 from numpy.typing import NDArray
 
-from .. import models
 from ..models.errors import OptionError
-from ..models.rig import Rig
 
 MODES = ("rgb_array", "human")
 """Pictures as arrays, or a window."""
 
 
 class Camera:
-    """Shows joints of a rig, as an array ("rgb_array") or in a window ("human").
+    """Shows joints of a model, as an array ("rgb_array") or in a window ("human")."""
 
-    The model with looks is compiled when the first picture is asked for.
-    """
-
-    def __init__(self, rig: Rig, mode: str, massless: float | None = None) -> None:
+    def __init__(self, model: mujoco.MjModel, mode: str) -> None:
         from ..models import render  # only here: finding a backend for drawing takes a second
 
         self._draw = render.draw
-        self._model = models.compile(rig, visuals=True, massless=massless)
+        self._model = model
         self._data = mujoco.MjData(self._model)
         self._window: Any = None
         self._drawing: Any = None

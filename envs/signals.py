@@ -1,20 +1,30 @@
 """Between controller and plant: encoders that count, inputs that come late, plans read by row."""
 
 from collections.abc import Sequence
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..models.errors import OptionError
-from .disturbances import LONGEST_DELAY, Scenario
+from .disturbances import LONGEST_DELAY
 from .plan import Layout, Plan
-from .plant import Ids, Plant
+from .plant import Ids
 
 Array = NDArray[np.float64]
 Steps = NDArray[np.int64]
 
 MEMORY = 1.0
 """Time constant of the running average of the tracking error [s]."""
+
+
+class Encoded(Protocol):
+    """Plants with encoders, see `Plant`."""
+
+    num: int
+    encoders: Array
+    drive_positions: Array
+    drive_rates: Array
 
 
 class Encoders:
@@ -31,7 +41,7 @@ class Encoders:
         Running average of the position errors, (n, drives).
     """
 
-    def __init__(self, plant: Plant, period: float) -> None:
+    def __init__(self, plant: Encoded, period: float) -> None:
         self._plant, self._period = plant, period
         self._drives = drives = plant.drive_positions.shape[1]
         self._share = np.full((plant.num, drives), 1.0 - np.exp(-period / MEMORY))
@@ -59,7 +69,7 @@ class Encoders:
         """What a simulation that rests must keep."""
         return self.errors, self.average, self._counted
 
-    def reset(self, ids: Ids, scenarios: Sequence[Scenario], planned: Array) -> None:
+    def reset(self, ids: Ids, scenarios: Sequence[Any], planned: Array) -> None:
         """Read plants that were put at rest; `planned` are all plants' (n, 2 drives)."""
         self._resolution[ids, 0] = [scenario.encoder_resolution for scenario in scenarios]
         if self._resolution.any() and not self._counting:
@@ -114,7 +124,7 @@ class Commands:
         self._every = np.arange(num)
         self._late = False
 
-    def reset(self, ids: Ids, scenarios: Sequence[Scenario], commands: Array) -> None:
+    def reset(self, ids: Ids, scenarios: Sequence[Any], commands: Array) -> None:
         """Start anew: until the first command arrives, `commands` (len(ids), drives) act."""
         self.last[ids], self.change[ids] = commands, 0.0
         self._periods[ids] = [scenario.delay for scenario in scenarios]

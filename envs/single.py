@@ -1,4 +1,4 @@
-"""One crane with Gymnasium's `Env` interface: a batch of one."""
+"""One simulation with Gymnasium's `Env` interface: a batch of one."""
 
 from typing import Any
 
@@ -6,6 +6,8 @@ import gymnasium as gym
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import models
+from .episodes import Task
 from .options import actions_of, check_options, seed_of
 from .rendering import MODES, Camera, check_mode
 from .spaces import action_space, observation_space
@@ -16,18 +18,17 @@ Array = NDArray[np.float64]
 OPTIONS = ("scenario", "reference")
 
 
-class CraneEnv(gym.Env[Any, Any]):
-    """A crane that is to follow a reference; see `flatrig.envs.task` for the parameters.
+class TaskEnv(gym.Env[Any, Any]):
+    """The only simulation of a task.
 
-    `reset(options={"scenario": Scenario(...), "reference": ...})` prescribes what would be drawn.
-    `info` tells the truth: "load", "reference", "tension", "input", "reward_terms", and in
-    "reason" why the episode is over.
+    `reset(options={"scenario": ..., "reference": ...})` prescribes what would be drawn.
     """
 
     metadata = {"render_modes": list(MODES), "render_fps": 50}  # noqa: RUF012 (Gymnasium's)
 
-    def __init__(self, rig: Any = None, *, render_mode: str | None = None, **options: Any) -> None:
-        self.task = CraneTask(rig, num=1, **options)
+    def __init__(self, task: Task, render_mode: str | None = None) -> None:
+        self.task: Any = task
+        self._task = task
         self.observation_space = observation_space(self.task)
         self.action_space = action_space(self.task)
         self.render_mode = check_mode(render_mode)
@@ -37,12 +38,12 @@ class CraneEnv(gym.Env[Any, Any]):
     @property
     def observation_names(self) -> tuple[str, ...]:
         """Names of the entries of an observation."""
-        return self.task.observation_names
+        return self._task.observation_names
 
     @property
     def action_names(self) -> tuple[str, ...]:
         """Names of the entries of an action."""
-        return self.task.action_names
+        return self._task.action_names
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -78,7 +79,7 @@ class CraneEnv(gym.Env[Any, Any]):
         if self.render_mode is None:
             return None
         if self._camera is None:
-            self._camera = Camera(self.task.rig, self.render_mode, self.task.massless)
+            self._camera = self._new_camera(self.render_mode)
         return self._camera.show(self.task.plant.qpos[0])
 
     def close(self) -> None:
@@ -87,8 +88,28 @@ class CraneEnv(gym.Env[Any, Any]):
             self._camera.close()
             self._camera = None
 
+    def _new_camera(self, mode: str) -> Camera:
+        raise NotImplementedError
+
     def _info(self, reason: str) -> dict[str, Any]:
         """The task's, of its only simulation."""
-        info = self.task.info_of(0)
+        info = self._task.info_of(0)
         info["reason"] = reason
         return info
+
+
+class CraneEnv(TaskEnv):
+    """A crane that is to follow a reference; see `flatrig.envs.task` for the parameters.
+
+    `reset(options={"scenario": Scenario(...), "reference": ...})` prescribes what would be drawn.
+    `info` tells the truth: "load", "reference", "tension", "input", "reward_terms", and in
+    "reason" why the episode is over.
+    """
+
+    def __init__(self, rig: Any = None, *, render_mode: str | None = None, **options: Any) -> None:
+        super().__init__(CraneTask(rig, num=1, **options), render_mode)
+
+    def _new_camera(self, mode: str) -> Camera:
+        return Camera(
+            models.compile(self.task.rig, visuals=True, massless=self.task.massless), mode
+        )

@@ -3,15 +3,15 @@
 import numpy as np
 from gymnasium.spaces import Box
 
+from .episodes import Task
 from .observation import LIMIT
-from .task import CraneTask
 
 
-def observation_space(task: CraneTask) -> Box:
+def observation_space(task: Task) -> Box:
     """Of one simulation."""
     return Box(-LIMIT, LIMIT, (len(task.observation_names),), np.float64)
 
 
-def action_space(task: CraneTask) -> Box:
+def action_space(task: Task) -> Box:
     """Of one simulation: inputs over their limits."""
     return Box(-1.0, 1.0, (len(task.action_names),), np.float32)

@@ -21,14 +21,16 @@ and nothing is left for a third period of delay.  Towards a fixed set point erro
 of the whole move, and lower frequencies with more damping swing least.
 """
 
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from ..models.rig import Frame, Rope, Trolley
-from .task import CraneTask
+
+if TYPE_CHECKING:
+    from .task import CraneTask
 
 Array = NDArray[np.float64]
 
@@ -55,7 +57,7 @@ class Gains(NamedTuple):
     """Shape (drives,) [N s/m, N m s/m, N m s/rad]."""
 
 
-def gains_of(task: CraneTask, track: Track = "moving") -> Gains:
+def gains_of(task: "CraneTask", track: Track = "moving") -> Gains:
     """Gains for the drives of a task's rig."""
     kinds = [type(task.rig.driven(drive)) for drive in task.rig.drives]
     frequency, ratio = np.array([TUNING[track][kind] for kind in kinds]).T
@@ -64,12 +66,12 @@ def gains_of(task: CraneTask, track: Track = "moving") -> Gains:
     return Gains(frequency**2 * inertia, 2.0 * ratio * frequency * inertia)
 
 
-def inertias(task: CraneTask) -> Array:
+def inertias(task: "CraneTask") -> Array:
     """Input per acceleration of each drive's own coordinate at home, (drives,)."""
     return _inertias(task)[0]
 
 
-def _inertias(task: CraneTask) -> tuple[Array, float]:
+def _inertias(task: "CraneTask") -> tuple[Array, float]:
     """The same, and the smallest eigenvalue of their matrix with its diagonal scaled to 1."""
     model = task.plant.model
     data = mujoco.MjData(model)

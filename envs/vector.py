@@ -1,4 +1,4 @@
-"""Many cranes with Gymnasium's `VectorEnv` interface, stepped together in C threads."""
+"""Many simulations with Gymnasium's `VectorEnv` interface, stepped together in C threads."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -9,7 +9,9 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
+from .. import models
 from ..models.errors import OptionError
+from .episodes import Task
 from .options import check_options, seed_of
 from .rendering import Camera, check_mode
 from .spaces import action_space, observation_space
@@ -21,16 +23,11 @@ Mask = NDArray[np.bool_]
 OPTIONS = ("scenarios", "references", "reset_mask")
 
 
-class CraneVectorEnv(VectorEnv[Array, Any, Any]):
-    """n cranes that are to follow references; see `flatrig.envs.task` for the parameters.
+class TaskVectorEnv(VectorEnv[Array, Any, Any]):
+    """All simulations of a task; for cranes see `CraneVectorEnv`."""
 
-    A crane whose episode is over begins the next one in the following step, which ignores its
-    action and rewards it with 0 (autoreset mode NEXT_STEP).  Seeded with `seed`, crane i is the
-    single environment seeded with seed + i, to the last bit.
-
-    `reset(options={"scenarios": [...], "references": [...]})` prescribes, crane by crane, what
-    would be drawn; "reset_mask", n booleans, resets only some.
-    """
+    what = "simulations"
+    """In messages."""
 
     metadata = {  # noqa: RUF012 (Gymnasium's)
         "render_modes": ["rgb_array"],
@@ -38,10 +35,9 @@ class CraneVectorEnv(VectorEnv[Array, Any, Any]):
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
 
-    def __init__(
-        self, rig: Any = None, *, num_envs: int = 1, render_mode: str | None = None, **options: Any
-    ) -> None:
-        self.task = CraneTask(rig, num=num_envs, **options)
+    def __init__(self, task: Task, render_mode: str | None = None) -> None:
+        self.task: Any = task
+        self._task = task
         self.num_envs = num_envs = self.task.num
         self.render_mode = check_mode(render_mode, ("rgb_array",))
         self.metadata = {**self.metadata, "render_fps": round(1.0 / self.task.period)}
@@ -56,12 +52,12 @@ class CraneVectorEnv(VectorEnv[Array, Any, Any]):
     @property
     def observation_names(self) -> tuple[str, ...]:
         """Names of the entries of an observation."""
-        return self.task.observation_names
+        return self._task.observation_names
 
     @property
     def action_names(self) -> tuple[str, ...]:
         """Names of the entries of an action."""
-        return self.task.action_names
+        return self._task.action_names
 
     def reset(
         self,
@@ -114,7 +110,7 @@ class CraneVectorEnv(VectorEnv[Array, Any, Any]):
         if self.render_mode is None:
             return None
         if self._camera is None:
-            self._camera = Camera(self.task.rig, self.render_mode, self.task.massless)
+            self._camera = self._new_camera(self.render_mode)
         return tuple(self._camera.show(joints) for joints in self.task.plant.qpos)
 
     def close_extras(self, **options: Any) -> None:
@@ -122,6 +118,9 @@ class CraneVectorEnv(VectorEnv[Array, Any, Any]):
         if self._camera is not None:
             self._camera.close()
             self._camera = None
+
+    def _new_camera(self, mode: str) -> Camera:
+        raise NotImplementedError
 
     def _seeds(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
         """One for each crane."""
@@ -138,7 +137,7 @@ class CraneVectorEnv(VectorEnv[Array, Any, Any]):
         except TypeError:
             raise OptionError(f"{name} is {values!r}, it must be one for each crane") from None
         if len(given) != self.num_envs:
-            raise OptionError(f"{name} has {len(given)} entries for {self.num_envs} cranes")
+            raise OptionError(f"{name} has {len(given)} entries for {self.num_envs} {self.what}")
         return given
 
     def _begin(self, ids: NDArray[np.int32], scenarios: Any = None, references: Any = None) -> None:
@@ -152,3 +151,27 @@ class CraneVectorEnv(VectorEnv[Array, Any, Any]):
         ]
         self.task.reset(ids, [self._generators[sim] for sim in chosen], *given)
         self._over[ids] = False
+
+
+class CraneVectorEnv(TaskVectorEnv):
+    """n cranes that are to follow references; see `flatrig.envs.task` for the parameters.
+
+    A crane whose episode is over begins the next one in the following step, which ignores its
+    action and rewards it with 0 (autoreset mode NEXT_STEP).  Seeded with `seed`, crane i is the
+    single environment seeded with seed + i, to the last bit.
+
+    `reset(options={"scenarios": [...], "references": [...]})` prescribes, crane by crane, what
+    would be drawn; "reset_mask", n booleans, resets only some.
+    """
+
+    what = "cranes"
+
+    def __init__(
+        self, rig: Any = None, *, num_envs: int = 1, render_mode: str | None = None, **options: Any
+    ) -> None:
+        super().__init__(CraneTask(rig, num=num_envs, **options), render_mode)
+
+    def _new_camera(self, mode: str) -> Camera:
+        return Camera(
+            models.compile(self.task.rig, visuals=True, massless=self.task.massless), mode
+        )

@@ -43,12 +43,20 @@ class ContactSettings:
         ):
             if value not in known:
                 raise ModelError(f"there is no {label} {value!r}{did_you_mean(str(value), known)}")
-        if not 0 < self.timestep < np.inf or not 0 < self.impratio < np.inf:
-            raise ModelError(
-                f"timestep is {self.timestep:g} s and impratio {self.impratio:g}, both must be > 0"
-            )
-        if self.condim not in (0, 1, 3, 4, 6):
+        for label, count in (("timestep", 0), ("impratio", 0), ("solref", 2), ("solimp", 3)):
+            given = getattr(self, label)
+            numbers = given if count and isinstance(given, tuple) else (given,)
+            if len(numbers) != max(count, 1) or not all(map(_positive, numbers)):
+                needed = f"{count} numbers > 0" if count else "a number > 0"
+                raise ModelError(f"{label} is {given!r}, it must be {needed}")
+        if type(self.noslip) is not int or self.noslip < 0:
+            raise ModelError(f"noslip is {self.noslip!r}, it must be a whole number >= 0")
+        if type(self.condim) is not int or self.condim not in (0, 1, 3, 4, 6):
             raise ModelError(f"condim is {self.condim!r}, it must be 1, 3, 4, 6, or 0 to choose")
+
+
+def _positive(value: object) -> bool:
+    return isinstance(value, int | float | np.number) and bool(0 < value < np.inf)
 
 
 RECOMMENDED = ContactSettings()

@@ -18,8 +18,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import ModelError
 from .hand_mjcf import OBJECT
+from .hand_state import model_of
 from .hands import Hand, Tip
 
 Array = NDArray[np.float64]
@@ -76,12 +76,9 @@ class ContactLog:
 
     def __init__(self, hand: Hand, model: mujoco.MjModel) -> None:
         self.hand, self._model = hand, model
-        try:
+        with model_of(hand):
             self._finger_of = {model.geom(f.name).id: i for i, f in enumerate(hand.fingers)}
             self._object = model.geom(OBJECT)
-        except KeyError as error:
-            reason = str(error).split(".")[0].strip("\"'")
-            raise ModelError(f"the model is not one of hand {hand.name}: {reason}") from None
         count = len(hand.fingers)
         self.steps = 0
         """Instants added."""

@@ -60,8 +60,8 @@ def holding_forces(hand: Hand, squeeze: float | None = None) -> Array:
     weight = hand.held.mass * float(np.linalg.norm(gravity))
     if squeeze is None:
         squeeze = SQUEEZE * weight if len(hand.fingers) > 1 else 0.0
-    if not 0 <= squeeze < np.inf:
-        raise ModelError(f"squeeze is {squeeze:g} N, it must be >= 0")
+    if not isinstance(squeeze, int | float) or not 0 <= squeeze < np.inf:
+        raise ModelError(f"squeeze is {squeeze!r} N, it must be a number >= 0")
     wrench = np.concatenate((-hand.held.mass * gravity, np.zeros(3)))
     forces = nearest_forces(hand, contacts, wrench, squeeze)
     normal = -np.einsum("ij,ij->i", forces, contacts)

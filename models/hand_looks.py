@@ -154,15 +154,19 @@ def _dress_object(scene: mujoco.MjSpec, hand: Hand, body: Any) -> None:
     if not hand.planar:
         size = [radius, 0, 0]
         body.add_geom(
-            visual, name="ball", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size, material="object"
+            visual,
+            name="object.ball",
+            type=mujoco.mjtGeom.mjGEOM_SPHERE,
+            size=size,
+            material="object",
         )
         return
     half = 0.3 * radius
-    disc = body.add_geom(visual, name="disc", type=mujoco.mjtGeom.mjGEOM_CYLINDER)
+    disc = body.add_geom(visual, name="object.disc", type=mujoco.mjtGeom.mjGEOM_CYLINDER)
     disc.size, disc.rgba = [radius, half, 0], [*CHEQUERS["object"][0], 1]
     disc.alt.type = mujoco.mjtOrientation.mjORIENTATION_ZAXIS
     disc.alt.zaxis = [0, 1, 0]
-    for name, along, across in (("spoke.x", 0.92, 0.08), ("spoke.z", 0.08, 0.92)):
+    for name, along, across in (("object.spoke.x", 0.92, 0.08), ("object.spoke.z", 0.08, 0.92)):
         spoke = body.add_geom(visual, name=name, type=mujoco.mjtGeom.mjGEOM_BOX)
         spoke.size = [along * radius, 1.02 * half, across * radius]
         spoke.rgba = [*CHEQUERS["object"][1], 1]

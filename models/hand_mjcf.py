@@ -108,8 +108,8 @@ def hand_spec(
     visuals: bool = True,
 ) -> mujoco.MjSpec:
     """The same as an editable `mujoco.MjSpec`; parameters and errors as `compile_hand`."""
-    if not 0 <= servo < np.inf:
-        raise ModelError(f"servo is {servo:g} rad/s, it must be >= 0")
+    if not isinstance(servo, int | float) or not 0 <= servo < np.inf:
+        raise ModelError(f"servo is {servo!r} rad/s, it must be a number >= 0")
     scene = mujoco.MjSpec()
     scene.modelname = hand.name
     scene.compiler.degree = False

@@ -49,7 +49,7 @@ class HandMove:
     order: int = 4
     """Number of continuous derivatives; forces need two."""
     shift: Vector = (0.0, 0.0, 0.0)
-    """By how much the object's centre moves [m]; ways that rolling decides itself are ignored."""
+    """By how much the object's centre moves [m], not in ways that rolling decides itself."""
     touch: tuple[float, float] | None = None
     """Where the contact on the first finger's plate is to end, in the plate's x and y [m]; for
     "spinning" only.  It begins in the plate's middle."""

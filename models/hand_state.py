@@ -8,6 +8,8 @@
 In space, a finger's position is its body's `xpos`: the middle of a plate, the centre of a tip.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import mujoco
@@ -20,6 +22,20 @@ from .hands import Hand, Tip
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+
+
+@contextmanager
+def model_of(hand: Hand) -> Iterator[None]:
+    """Look names up that a hand's model has.
+
+    Raises:
+        ModelError: one is missing, so the model is not this hand's.
+    """
+    try:
+        yield
+    except KeyError as error:
+        reason = str(error).split(". Valid names")[0].strip('"')
+        raise ModelError(f"the model is not one of hand {hand.name}: {reason}") from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,11 +76,8 @@ class HandIndex:
         Raises:
             ModelError: the model is not this hand's.
         """
-        try:
+        with model_of(hand):
             return cls._found(hand, model)
-        except KeyError as error:
-            reason = str(error).split(".")[0].strip("\"'")
-            raise ModelError(f"the model is not one of hand {hand.name}: {reason}") from None
 
     @classmethod
     def _found(cls, hand: Hand, model: mujoco.MjModel) -> "HandIndex":

@@ -23,6 +23,8 @@ EVERY_WAY: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.
 """Slides of a finger that moves in space."""
 IN_PLANE: tuple[Vector, ...] = (EVERY_WAY[0], EVERY_WAY[2])
 """Slides of a finger of a planar hand."""
+TAKEN = ("object", "world", "floor")
+"""Names that no finger can have, since models give them to other things."""
 SOLID = {"sphere": 0.4, "disc": 0.5}
 """Moment of inertia over mass times squared radius, about the axis it turns about."""
 
@@ -48,11 +50,21 @@ def unit(label: str, value: object) -> Vector:
 
 
 def _directions(label: str, values: object) -> tuple[Vector, ...]:
-    """Unit vectors that are independent of each other."""
+    """Unit vectors that are perpendicular to each other."""
     found = tuple(unit(label, one) for one in sequence(label, values))
-    if found and np.linalg.matrix_rank(np.array(found), tol=1e-9) < len(found):
-        raise RigError(f"{label} are {found}, they must be independent directions")
+    if found and np.abs(np.array(found) @ np.array(found).T - np.eye(len(found))).max() > 1e-9:
+        raise RigError(f"{label} are {found}, they must be perpendicular")
     return found
+
+
+def _name(label: str, value: object) -> str:
+    """A plain word, as a name in a rig."""
+    plain = word(label, value)
+    if not plain.replace("_", "a").replace("-", "a").isalnum():
+        raise RigError(f"{label} is {plain!r}, it must be letters, digits, '-' and '_' only")
+    if plain in TAKEN:
+        raise RigError(f"{label} is {plain!r}, which is taken; choose another")
+    return plain
 
 
 @dataclass(frozen=True)
@@ -105,14 +117,14 @@ class Tip:
     """A spherical fingertip about its finger's position.
 
     Raises:
-        RigError: a number is not positive, or the axes depend on each other.
+        RigError: a number is not positive, or the axes are not perpendicular.
     """
 
     radius: float
     """[m]"""
     axes: tuple[Vector, ...] = ()
-    """What motors turn it about; axes fixed in space, as rollers on a trackball's are.  None for a
-    fixed tip, two as K's (2.1.7), three for any turn."""
+    """What motors turn it about; perpendicular axes fixed in space, as rollers on a trackball's
+    are.  None for a fixed tip, two as K's (2.1.7), three for any turn."""
     inertia: float = 1e-5
     """Of the tip with its motors about any axis [kg m2]."""
     reach: float = math.pi
@@ -149,7 +161,7 @@ class Finger:
     """Of each slide's motor [N]."""
 
     def __post_init__(self) -> None:
-        label = f"finger {word('finger: name', self.name)}"
+        label = f"finger {_name('finger: name', self.name)}"
         if not isinstance(self.surface, Plate | Tip):
             raise RigError(f"{label}: surface is {self.surface!r}, it must be a Plate or a Tip")
         if isinstance(self.surface, Plate):
@@ -159,8 +171,6 @@ class Finger:
         slides = _directions(f"{label}: slides", self.slides)
         given = sequence(f"{label}: masses", self.masses) or (0.1,) * len(slides)
         masses = tuple(_positive(f"{label}: masses", one) for one in given)
-        if np.abs(np.array(slides) @ np.array(slides).T - np.eye(len(slides))).max() > 1e-9:
-            raise RigError(f"{label}: slides are {slides}, they must be perpendicular")
         if len(masses) != len(slides) or not slides:
             raise RigError(f"{label} has {len(slides)} slides and {len(masses)} masses")
         limit = _positive(f"{label}: force_limit", self.force_limit)
@@ -191,7 +201,12 @@ class Hand:
     """[m/s2]"""
 
     def __post_init__(self) -> None:
-        word("hand: name", self.name)
+        _name("hand: name", self.name)
+        if not isinstance(self.held, HeldObject):
+            raise RigError(f"hand {self.name}: held is {self.held!r}, it must be a HeldObject")
+        for name in ("planar", "spin"):
+            if not isinstance(given := getattr(self, name), bool):
+                raise RigError(f"hand {self.name}: {name} is {given!r}, it must be True or False")
         fingers = sequence(f"hand {self.name}: fingers", self.fingers)
         if not fingers or not all(isinstance(one, Finger) for one in fingers):
             raise RigError(f"hand {self.name}: fingers must be one Finger or more")
@@ -202,7 +217,7 @@ class Hand:
             object.__setattr__(self, name, vector(f"hand {self.name}: {name}", getattr(self, name)))
         if len(set(self.finger_names)) < len(fingers):
             raise RigError(f"hand {self.name}: fingers {self.finger_names} must differ in name")
-        if (self.held.shape == "disc") != bool(self.planar):
+        if (self.held.shape == "disc") != self.planar:
             raise RigError(f"hand {self.name}: a disc needs a planar hand, a sphere one in space")
         for finger in fingers:
             self._check(finger)

@@ -1,5 +1,6 @@
 """Contact forces: balance, least norm, friction cones, motors, and what no hand can give."""
 
+import sys
 from dataclasses import replace
 from math import pi
 
@@ -213,10 +214,38 @@ def test_friction_use_of_a_force_that_does_not_press_is_infinite() -> None:
 
 def test_options_out_of_range_are_refused() -> None:
     motion = at_rest(models.ball_on_plate())
-    with pytest.raises(OptionError, match="margin is 1, it must be from 0 to below 1"):
+    with pytest.raises(OptionError, match=r"margin is 1\.0, it must be from 0 to below 1"):
         in_cones(motion, margin=1.0)
     with pytest.raises(OptionError, match="press is -1"):
         in_cones(motion, press=-1.0)
+    with pytest.raises(OptionError, match="margin is 'much', it must be from 0 to below 1"):
+        in_cones(motion, margin="much")  # type: ignore[arg-type]
+
+
+def test_without_its_solver_only_the_cone_program_is_missing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, "clarabel", None)
+    motion = at_rest(models.two_finger_hand())
+    assert np.isfinite(joint_forces(motion, least_norm(motion)).values).all()
+    with pytest.raises(OptionError, match=r"need clarabel: pip install 'flatrig\[hands\]'$"):
+        in_cones(motion)
+
+
+def test_forces_without_gravity() -> None:
+    """Of the motion alone; none at rest."""
+    hand = replace(models.ball_in_corner(), gravity=(0.0, 0.0, 0.0))
+    motion = moved(hand)
+    for forces in (in_cones(motion), least_norm(motion)):
+        sums = np.einsum("nij,nj->ni", grasp_matrix(motion), forces.values.reshape(101, -1))
+        most = np.abs(wrench(motion)).max()
+        np.testing.assert_allclose(sums, wrench(motion), rtol=0, atol=1e-9 * most)
+    np.testing.assert_allclose(in_cones(at_rest(hand)).values, 0.0, atol=1e-5 * hand.held.mass)
+
+
+def test_more_friction_than_there_is_changes_nothing() -> None:
+    found = [in_cones(moved(models.two_finger_hand(friction=mu))).values for mu in (1e4, 1e9)]
+    np.testing.assert_array_equal(*found)
 
 
 def test_forces_change_continuously() -> None:

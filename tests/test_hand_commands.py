@@ -115,7 +115,6 @@ def test_solution_without_forces_is_the_motion(capsys: pytest.CaptureFixture[str
 
 
 REFUSALS = {
-    ("compare", "two-finger"): "two-finger is a hand; this command is for cranes only",
     ("train", "ball-on-plate"): "ball-on-plate is a hand; this command is for cranes only",
     ("analyse", "ball-on-plat"): "there is no hand 'ball-on-plat'; did you mean ball_on_plate",
     ("analyse", "overhead", "--turning", "axis"): "--turning axis is for hands, overhead is none",

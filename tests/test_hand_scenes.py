@@ -124,8 +124,16 @@ def test_contacts_of_a_turning_tip():
 
 def test_another_hands_model_is_refused():
     model = compile_hand(make_hand("ball_on_plate"), visuals=False)
-    with pytest.raises(ModelError, match="not one of hand ball_in_corner"):
+    with pytest.raises(ModelError, match=r"not one of hand ball_in_corner: .* 'plate_y'$"):
         ContactLog(make_hand("ball_in_corner"), model)
+    with pytest.raises(ModelError, match=r"not one of hand ball_in_corner: .* 'plate_y.slide1'$"):
+        HandIndex.of(make_hand("ball_in_corner"), model)
+
+
+def test_a_track_needs_the_models_time_step():
+    model = compile_hand(make_hand("ball_on_plate"), visuals=False)
+    with pytest.raises(ModelError, match=r"track has steps of 0.002 s, the model of 0.001"):
+        run_track(model, Track.of(plan_of("ball_on_plate"), 2e-3, 0.1))
 
 
 def test_tips_turn_about_axes_of_the_palm():
@@ -174,7 +182,10 @@ def test_contact_dimensions():
     [
         ({"integrator": "RK5"}, "no integrator 'RK5'; did you mean RK4"),
         ({"cone": "eliptic"}, "no cone 'eliptic'; did you mean elliptic"),
-        ({"timestep": 0.0}, "timestep is 0 s"),
+        ({"timestep": 0.0}, "timestep is 0.0, it must be a number > 0"),
+        ({"solref": (0.004,)}, r"solref is \(0.004,\), it must be 2 numbers > 0"),
+        ({"solimp": (0.9, float("nan"), 0.001)}, "solimp is .* it must be 3 numbers > 0"),
+        ({"noslip": 1.5}, "noslip is 1.5, it must be a whole number >= 0"),
         ({"condim": 2}, "condim is 2, it must be 1, 3, 4, 6"),
     ],
 )
@@ -193,7 +204,7 @@ def test_a_servo_brings_slides_where_they_shall_be():
     for _ in range(150):
         mujoco.mj_step(model, data)
     np.testing.assert_allclose(data.qpos[7:10], [0.01, 0, 0], atol=2e-5)
-    with pytest.raises(ModelError, match="servo is -1 rad/s"):
+    with pytest.raises(ModelError, match=r"servo is -1.0 rad/s"):
         compile_hand(hand, servo=-1.0)
 
 
@@ -275,6 +286,7 @@ def test_the_command_prints_its_tables(monkeypatch, capsys):
     monkeypatch.setattr(hand_table, "SECONDS", 0.1)
     assert cli.main(["hands", "ball-on-plate"]) == 0
     said = capsys.readouterr().out
+    assert "…" not in said
     assert "Rolling for 0.1 s" in said
     assert hand_table.describe(MUJOCO_DEFAULTS).split(",")[0] in said
     assert cli.main(["hands", "--output", "a.gif"]) == 2

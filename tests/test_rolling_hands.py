@@ -44,10 +44,14 @@ TIP = Finger("a", Tip(0.02), (0, 0, -1))
         (lambda: HeldObject("sphere", 0.1, math.nan), "mass is nan"),
         (lambda: Plate((0, 0, 0)), "normal is (0, 0, 0), it must point somewhere"),
         (lambda: Tip(0.02, axes=((1, 0, 0),)), "one axis, a tip needs none, two or three"),
-        (lambda: Tip(0.02, axes=((1, 0, 0), (2, 0, 0))), "must be independent"),
+        (lambda: Tip(0.02, axes=((1, 0, 0), (1, 1, 0))), "must be perpendicular"),
         (lambda: Finger("a", TIP), "must be a Plate or a Tip"),  # type: ignore[arg-type]
         (lambda: replace(TIP, slides=((1, 0, 0), (1, 1, 0))), "must be perpendicular"),
         (lambda: replace(TIP, masses=(1.0,)), "3 slides and 1 masses"),
+        (lambda: replace(TIP, name="object"), "name is 'object', which is taken"),
+        (lambda: replace(TIP, name="a,b"), "must be letters, digits"),
+        (lambda: Hand("h", 0.1, (TIP,)), "held is 0.1, it must be a HeldObject"),  # type: ignore[arg-type]
+        (lambda: Hand("h", BALL, (TIP,), spin="no"), "spin is 'no', it must be True"),  # type: ignore[arg-type]
         (lambda: Hand("h", BALL, ()), "must be one Finger or more"),
         (lambda: Hand("h", BALL, (TIP, TIP)), "must differ in name"),
         (lambda: Hand("h", BALL, (replace(TIP, slides=((1, 0, 0),), masses=()),)), "it needs 3"),

@@ -189,6 +189,13 @@ def test_dimension_after_integration_is_the_printed_one(name: str, dimension: in
     assert classify(HANDS[name]).dimension == dimension
 
 
+@pytest.mark.parametrize("radius", [1e-9, 1e6])
+def test_size_does_not_matter_to_the_classification(radius: float) -> None:
+    for name in ("ball_on_plate", "ball_between_oblique_plates", "ball_in_corner"):
+        sized, own = (classify(models.make_hand(name, **size)) for size in ({"radius": radius}, {}))
+        assert sized == own
+
+
 def test_fixed_tips_in_space_are_not_shown_to_be_liouvillian() -> None:
     hand = models.three_finger_hand()
     fixed = tuple(replace(one, surface=replace(one.surface, axes=())) for one in hand.fingers)

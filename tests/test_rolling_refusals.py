@@ -58,6 +58,11 @@ REFUSED = {
         HandMove(goal=(1.0, 0, 0), turning="rolling"),
         "not a level plate under a ball",
     ),
+    "touch": (
+        models.ball_on_plate(),
+        replace(ROLLING, touch=(0.1, 0)),
+        'touch is .* needs turning="spinning"',
+    ),
     "rough": (models.ball_on_plate(), replace(ROLLING, order=1), "order is 1"),
     "short": (models.ball_on_plate(), replace(ROLLING, duration=0.0), "duration is 0 s"),
     "level tip": (
@@ -94,8 +99,8 @@ def test_a_contact_that_leaves_a_fixed_tip_is_refused() -> None:
 
 def test_a_finger_behind_a_plate_is_refused() -> None:
     hand = models.three_finger_hand()
-    floor = replace(models.ball_on_plate().fingers[0], name="floor")
-    mixed = replace(hand, fingers=(floor, hand.fingers[0]))
+    ground = replace(models.ball_on_plate().fingers[0], name="ground")
+    mixed = replace(hand, fingers=(ground, hand.fingers[0]))
     move = HandMove(goal=(0.0, 0, 0), contacts=((7 * pi / 6, -1.4),))
     with pytest.raises(PathError, match=r"finger finger1 would be up to .* mm behind the plate"):
         plan_hand(mixed, move)

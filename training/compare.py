@@ -141,6 +141,11 @@ def carried(rig: Rig) -> tuple[list[int], list[int]]:
 
 def main(command: options.Compare) -> None:
     """Compare, print the table, and save tables and figure."""
+    if options.is_hand(command.rig):
+        from . import compare_hands
+
+        compare_hands.main(command)
+        return
     from .report import make_folder, show, write
 
     rig, move = command.target()

@@ -142,8 +142,11 @@ def run_track(model: mujoco.MjModel, track: Track, servo: float = SERVO) -> Hand
     """Follow a track from its start, at rest, until a finger loses the object.
 
     Raises:
-        ModelError: the simulation breaks down.
+        ModelError: the model's time step is not the track's, or the simulation breaks down.
     """
+    step = float(np.diff(track.motion.times[:2]).sum())
+    if abs(step - model.opt.timestep) > 1e-9:
+        raise ModelError(f"the track has steps of {step:g} s, the model of {model.opt.timestep:g}")
     hand, motion, data = track.hand, track.motion, mujoco.MjData(model)
     index, log, lost = HandIndex.of(hand, model), ContactLog(hand, model), ""
     pose = motion.position[0], motion.rotation[0], motion.finger_positions[0]

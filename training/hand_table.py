@@ -58,6 +58,11 @@ class Case:
         plan = plan_hand(hand, replace(move, duration=PASS))
         return cls(name, plan, SLIP_OF_TIPS if turning else SLIP)
 
+    @property
+    def words(self) -> str:
+        """The name as words, between which a narrow column can break it."""
+        return self.name.replace("_", " ")
+
     def roll(self, settings: ContactSettings, seconds: float) -> HandRun:
         """Go along the motion.
 
@@ -118,20 +123,20 @@ def rolling_table(cases: Iterable[Case]) -> Table:
     shown = table(
         f"Rolling for {SECONDS:g} s.  Recommended: {describe(RECOMMENDED)}, condim 3 (4 for a hand "
         f"without spin).\nMuJoCo's defaults: {describe(MUJOCO_DEFAULTS)}, condim 3",
-        "hand", "settings", "rolled [m]", "slip", "goal", "spin [rad]", "overlap [um]",
-        "friction", "away [mm]", "off [deg]", "",
+        "hand", "settings", "rolled\n[m]", "slip", "goal", "spin\n[rad]", "overlap\n[um]",
+        "friction", "away\n[mm]", "off\n[deg]", "",
     )  # fmt: skip
     for case in cases:
         for label, settings in (("recommended", RECOMMENDED), ("defaults", MUJOCO_DEFAULTS)):
             try:
                 run = case.roll(settings, SECONDS)
             except ModelError as error:
-                shown.add_row(case.name, label, *("",) * 8, warning(str(error)))
+                shown.add_row(case.words, label, *("",) * 8, warning(str(error)))
                 continue
             log, off = run.log, float(np.degrees(run.turned[-1]))
             good = log.slip_ratio <= case.slip and run.distance[-1] <= AWAY and off <= TURNED
             shown.add_row(
-                case.name, label, f"{log.rolled.max():.3f}", f"{log.slip_ratio:.1e}",
+                case.words, label, f"{log.rolled.max():.3f}", f"{log.slip_ratio:.1e}",
                 f"<= {case.slip:g}", f"{log.spun.max():.2g}", f"{1e6 * log.penetration:.1f}",
                 f"{log.friction_use:.2f}", f"{1e3 * run.distance[-1]:.3f}", f"{off:.3f}",
                 _verdict(run, good),
@@ -153,7 +158,7 @@ def holding_table(cases: Iterable[Case]) -> Table:
             for run, settings in zip(runs, GRASPS.values(), strict=True)
         ]  # fmt: skip
         good = runs[0].distance.max() <= CREEP
-        shown.add_row(case.name, f"<= {1e3 * CREEP:g}", *cells, _verdict(runs[0], good))
+        shown.add_row(case.words, f"<= {1e3 * CREEP:g}", *cells, _verdict(runs[0], good))
     return shown
 
 
@@ -168,7 +173,7 @@ def condim_table(cases: Iterable[Case]) -> Table:
             run = case.roll(replace(RECOMMENDED, condim=condim), PASS)
             away = "lost" if run.lost else f"{1e3 * run.distance.max():.3f}"
             cells += [f"{run.log.slip_ratio:.1e}", away]
-        shown.add_row(case.name, *cells)
+        shown.add_row(case.words, *cells)
     return shown
 
 

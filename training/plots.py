@@ -61,6 +61,7 @@ def comparison(
     arrival: float,
     distances: Sequence[Array],
     path: str | Path,
+    what: str = "Load",
 ) -> None:
     """Errors of controllers over time, and how they are spread over the scenarios.
 
@@ -71,6 +72,7 @@ def comparison(
         arrival: when the reference has arrived [s].
         distances: for each controller the load's distance from its reference [m], (T, N).
         path: PNG to write.
+        what: is off its reference.
     """
     made, (left, right) = figure(10.0, 4.4, ncols=2, width_ratios=(1.55, 1.0))
     made.suptitle(heading, x=0.012, ha="left", fontsize=11, fontweight="bold")
@@ -92,7 +94,7 @@ def comparison(
     left.set(xlabel="time [s]", xlim=(times[0], times[-1]), ylabel="distance from reference [mm]")
     many = distances[0].shape[1] > 1
     spread = ": median, and 10 to 90 % of scenarios" if many else ""
-    title(left, f"Load error over time{spread}")
+    title(left, f"{what} error over time{spread}")
     _spread(right, names, colours, distances)
     save(made, path)
 

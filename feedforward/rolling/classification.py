@@ -12,14 +12,14 @@ constraints are gone.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from ...models.hands import Hand, Tip
+from ...models.hands import Finger, Hand, Plate, Tip
 from .kinematics import Rolling
 
 Array = NDArray[np.float64]
@@ -175,13 +175,21 @@ def _liouvillian(rolling: Rolling, flat: Answer) -> tuple[Answer, str]:
     return "yes", f"outputs: {', '.join(named)}; integrals: {', '.join(rest)}"
 
 
+def _in_radii(finger: Finger, radius: float) -> Finger:
+    if isinstance(finger.surface, Plate):
+        return finger
+    return replace(finger, surface=replace(finger.surface, radius=finger.surface.radius / radius))
+
+
 def classify(hand: Hand) -> Classification:
     """Holonomy, flatness and the Liouvillian property of a hand's kinematics (K table 2.1).
 
     Raises:
         RigError: see `Rolling`.
     """
-    rolling = Rolling.of(hand)
+    # lengths in radii of the object, so that no size makes a rank small
+    tips = [_in_radii(finger, hand.held.radius) for finger in hand.fingers]
+    rolling = Rolling.of(replace(hand, held=replace(hand.held, radius=1.0), fingers=tuple(tips)))
     sizes = growth(rolling)
     n, m, before = sizes[-1], sizes[0], _states_before(rolling)
     flat, why_flat = _flat(rolling, sizes)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ...models.errors import OptionError, PathError
+from ..checks import as_number
 from .grasp import OUTSIDE, ContactForces, split, weight_of
 from .motion import HandMotion
 
@@ -23,6 +24,8 @@ PENALTY = 1e5
 that only just fit need a large one."""
 TOLERANCE = 1e-11
 """Of the solver."""
+LARGEST_FRICTION = 1e3
+"""That is made use of; with more the solver loses its accuracy and forces hardly change."""
 
 
 def in_cones(motion: HandMotion, margin: float = 0.2, press: float = 0.05) -> ContactForces:
@@ -37,14 +40,14 @@ def in_cones(motion: HandMotion, margin: float = 0.2, press: float = 0.05) -> Co
         PathError: no such forces exist; with finger, time and amount.
         OptionError: margin or press is out of range, or clarabel is not installed.
     """
-    if not 0.0 <= margin < 1.0:
-        raise OptionError(f"margin is {margin:g}, it must be from 0 to below 1")
-    if not 0.0 <= press < np.inf:
-        raise OptionError(f"press is {press:g}, it must be a share of the weight >= 0")
+    if not 0.0 <= as_number(margin) < 1.0:
+        raise OptionError(f"margin is {margin!r}, it must be from 0 to below 1")
+    if not 0.0 <= as_number(press) < np.inf:
+        raise OptionError(f"press is {press!r}, it must be a share of the weight >= 0")
     least = press * motion.hand.held.mass * float(np.linalg.norm(motion.hand.gravity))
     start, internal = split(motion)
     unit = max(weight_of(motion), least)
-    friction = motion.hand.friction * (1.0 - margin)
+    friction = min(motion.hand.friction * (1.0 - margin), LARGEST_FRICTION)
     solution, beyond = _solve(motion, start / unit, internal, friction, least / unit)
     forces = ContactForces(motion, (unit * solution).reshape(motion.normals.shape))
     wrong = (beyond > OUTSIDE).any(axis=1)

@@ -95,10 +95,13 @@ class ContactForces:
 
 
 def weight_of(motion: HandMotion) -> float:
-    """The unit of forces [N]."""
-    held, hand = motion.hand.held, motion.hand
-    needed = np.linalg.norm(motion.acceleration - np.array(hand.gravity), axis=1)
-    return held.mass * max(float(np.linalg.norm(hand.gravity)), float(needed.max()))
+    """The unit of forces [N]: the weight, or what the motion needs if that is more."""
+    held = motion.hand.held
+    needed = wrench(motion)
+    sizes = [np.linalg.norm(needed[:, :3], axis=1), np.linalg.norm(needed[:, 3:], axis=1)]
+    most = [float(size.max(initial=0.0)) for size in sizes]
+    weight = held.mass * float(np.linalg.norm(motion.hand.gravity))
+    return max(weight, most[0], most[1] / held.radius) or held.mass
 
 
 def wrench(motion: HandMotion) -> Array:
@@ -137,7 +140,7 @@ def split(motion: HandMotion) -> tuple[Array, Array]:
     forces = np.einsum("nkj,nk->nj", vt[:, :count], gain * along)
     left = right - np.einsum("nij,nj->ni", matrix, forces)
     worst = np.abs(left).max(axis=1)
-    if worst.max() > UNBALANCED * weight_of(motion):
+    if worst.max(initial=0.0) > UNBALANCED * weight_of(motion):
         raise _unbalanced(motion, left, worst)
     null = vt.copy()
     null[:, :count][~weak] = 0.0

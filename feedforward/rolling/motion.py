@@ -121,7 +121,7 @@ class HandMotion:
     @property
     def table(self) -> Array:
         """All of it, one row an instant, columns `column_names`."""
-        count = len(self.times)
+        count, fingers = len(self.times), len(self.hand.fingers)
         parts = [
             self.times[:, None],
             self.position,
@@ -131,7 +131,7 @@ class HandMotion:
             self.rpy,
             self.angular_velocity,
             self.angular_acceleration,
-            *(array.reshape(count, -1) for array in self._of_fingers().values()),
+            *(array.reshape(count, 3 * fingers) for array in self._of_fingers().values()),
         ]
         return np.concatenate(parts, axis=1)
 

@@ -155,6 +155,7 @@ def plan_hand(hand: Hand, move: HandMove) -> HandPlan:
     Raises:
         PathError: the move is not one of this hand, or would leave a tip or a plate, spin where
             spin is excluded, or push fingers into each other; with finger, time and amount.
+        RigError: spin is to be excluded where the hand cannot spin.
     """
     check_duration(move.duration)
     check_order("order", move.order, lowest=2)
@@ -162,6 +163,11 @@ def plan_hand(hand: Hand, move: HandMove) -> HandPlan:
         needed = "one angle" if hand.planar else "three angles"
         raise PathError(
             f"hand {hand.name} needs {needed} for an orientation, the move has {len(move.goal)}"
+        )
+    if move.touch is not None and move.turning != "spinning":
+        raise PathError(
+            f'touch is {move.touch}, which needs turning="spinning"; with {move.turning!r} the '
+            "contact goes where rolling takes it"
         )
     turning = _turning_of(hand, move)
     tips = tip_paths(hand, move, turning)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.errors import PathError
+from ...models.hand_catalogue import on_sphere
 from ...models.hand_moves import HandMove
 from ...models.hands import Hand, Tip
 from ..rotation import product, sine_cosine
@@ -82,10 +83,6 @@ class TurningTip:
         return turn - product(np.broadcast_to(spin[..., None], at.shape), at)
 
 
-def _on_object(move: HandMove, i: int) -> tuple[float, float] | None:
-    return move.start_contacts[i] if move.start_contacts else None
-
-
 def tip_paths(hand: Hand, move: HandMove, turning: Turning) -> dict[str, FixedTip | TurningTip]:
     """Paths of the contacts on a hand's round tips, by the finger's name.
 
@@ -103,7 +100,7 @@ def tip_paths(hand: Hand, move: HandMove, turning: Turning) -> dict[str, FixedTi
     for i, finger in enumerate(tips):
         surface = finger.surface
         assert isinstance(surface, Tip)
-        given_start = _on_object(move, i)
+        given_start = move.start_contacts[i] if move.start_contacts else None
         if surface.axes:
             start = given_start or _angles(finger.contact)
             goal = move.contacts[i] if move.contacts else start
@@ -120,7 +117,7 @@ def tip_paths(hand: Hand, move: HandMove, turning: Turning) -> dict[str, FixedTi
             raise PathError(f"hand {hand.name}: finger {finger.name} is fixed, give no contacts")
         first = np.array(finger.contact)
         if given_start is not None:
-            first = rotation_of(move.start) @ _direction(given_start)
+            first = rotation_of(move.start) @ on_sphere(*given_start)
         paths[finger.name] = FixedTip(surface.radius, radius, first, turning)
     return paths
 
@@ -128,9 +125,3 @@ def tip_paths(hand: Hand, move: HandMove, turning: Turning) -> dict[str, FixedTi
 def _angles(direction: tuple[float, float, float]) -> tuple[float, float]:
     x, y, z = direction
     return (math.atan2(y, x), math.asin(max(-1.0, min(1.0, z))))
-
-
-def _direction(angles: tuple[float, float]) -> Array:
-    azimuth, latitude = angles
-    level = math.cos(latitude)
-    return np.array([level * math.cos(azimuth), level * math.sin(azimuth), math.sin(latitude)])
