@@ -75,7 +75,19 @@ def passing(equations: Equations, values: Array, times: Array, outputs: Array) -
 
     Unknowns (unknowns, N) and outputs (N, outputs) at times (N,).
     """
-    state = np.vstack((values[: len(equations.names)], np.ones(len(times))))
+    reversed_at = reversal(equations, values)
+    if reversed_at is None:
+        return None
+    first, reason = reversed_at
+    return _refused(equations.rig, f"at t = {times[first]:.4g} s", outputs[first], reason)
+
+
+def reversal(equations: Equations, values: Array) -> tuple[int, str] | None:
+    """The last sample before a rope's span reverses, and what the rope would do, if any does.
+
+    Unknowns, or coordinates alone, are (unknowns, N).
+    """
+    state = np.vstack((values[: len(equations.names)], np.ones(values.shape[1])))
     found: list[tuple[int, str]] = []
     for rope in equations.rig.ropes:
         for k, (before, after) in enumerate(pairwise(rope.path)):
@@ -87,22 +99,28 @@ def passing(equations: Equations, values: Array, times: Array, outputs: Array) -
                 point = f"its own winch at {before}" if k == 0 else f"the point {before}"
                 how = "grow beyond all bounds" if size[-1] > size[0] else f"pass through {point}"
                 found.append((i, f"rope {rope.name} would {how}"))
-    if not found:
-        return None
-    first, reason = min(found)
-    return _refused(equations.rig, f"at t = {times[first]:.4g} s", outputs[first], reason)
+    return min(found, default=None)
 
 
 def stay_on_rails(rig: Rig, names: tuple[str, ...], positions: Array, times: Array) -> None:
     """Refuse a motion (coordinates, N) in which a trolley leaves its rail."""
+    off = off_rails(rig, names, positions)
+    if off is not None:
+        first, reason = off
+        raise PathError(
+            f"rig {rig.name} cannot follow the path at t = {times[first]:.4g} s: {reason}"
+        )
+
+
+def off_rails(rig: Rig, names: tuple[str, ...], positions: Array) -> tuple[int, str] | None:
+    """The first sample of coordinates (coordinates, N) with a trolley off its rail, and where."""
+    found: list[tuple[int, str]] = []
     for trolley in rig.trolleys:
         rail = rig.rail(trolley.rail)
         place = positions[names.index(trolley.coordinate)]
         beyond = np.maximum(rail.start - place, place - rail.end) > RAIL_TOLERANCE
         if beyond.any():
             i = int(beyond.argmax())
-            raise PathError(
-                f"rig {rig.name} cannot follow the path at t = {times[i]:.4g} s: "
-                f"{trolley.name} is at {place[i]:.4g} m, rail {rail.name} goes from "
-                f"{rail.start:g} m to {rail.end:g} m"
-            )
+            where = f"{rail.name} goes from {rail.start:g} m to {rail.end:g} m"
+            found.append((i, f"{trolley.name} is at {place[i]:.4g} m, rail {where}"))
+    return min(found, default=None)

@@ -67,6 +67,9 @@ MEMORY = (65536, 1024)
 """Scratch memory of the bare physics [bytes], and for each square of its degrees of freedom: ten
 times what it takes with all constraints on, and a hundredth of what MuJoCo would reserve."""
 
+TIMESTEPS = (1e-12, 1e9)
+"""Shortest and longest step [s] whose powers stay far from overflow."""
+
 FRAME_MASS = 1e-9
 """Mass of a turning frame's body [kg], whose inertia is its joint's armature."""
 
@@ -192,8 +195,9 @@ def _options(
         known = did_you_mean(str(integrator), INTEGRATORS)
         raise ModelError(f"there is no integrator {integrator!r}{known}")
     number = isinstance(timestep, int | float | np.number) and not isinstance(timestep, bool)
-    if not number or not 0 < timestep < np.inf:
-        raise ModelError(f"timestep is {timestep!r} s, it must be a number > 0")
+    if not number or not TIMESTEPS[0] <= timestep <= TIMESTEPS[1]:
+        limits = "{:g} s to {:g} s".format(*TIMESTEPS)
+        raise ModelError(f"timestep is {timestep!r} s, it must be a number > 0 ({limits})")
     scene.option.timestep = timestep
     scene.option.integrator = INTEGRATORS[integrator]
     scene.option.gravity = [0, 0, -rig.gravity]

@@ -64,7 +64,7 @@ class Ropes:
     """Young's modulus times cross section [N], from which k = EA/L with the length L at home."""
     damping: PerRope | None = None
     """c [N s/m]; not together with `damping_ratio`."""
-    damping_ratio: float | None = None
+    damping_ratio: PerRope | None = None
     """Damping over the critical one of each rope by itself, at home."""
 
     def __post_init__(self) -> None:
@@ -104,7 +104,8 @@ class Ropes:
             return 0.0
         if self.damping is not None:
             return _of(self.damping, "damping", rope)
-        return critical * (DAMPING_RATIO if self.damping_ratio is None else self.damping_ratio)
+        ratio = DAMPING_RATIO if self.damping_ratio is None else self.damping_ratio
+        return critical * _of(ratio, "damping_ratio", rope)
 
 
 def chosen(ropes: str | Ropes, rig: Rig) -> Ropes:
@@ -114,7 +115,7 @@ def chosen(ropes: str | Ropes, rig: Rig) -> Ropes:
         ModelError: there are none of that kind, or names are not those of the rig's ropes.
     """
     found = ropes if isinstance(ropes, Ropes) else Ropes(ropes)
-    for option in (found.stiffness, found.ea, found.damping):
+    for option in (found.stiffness, found.ea, found.damping, found.damping_ratio):
         for name in option if isinstance(option, Mapping) else ():
             if name not in rig.rope_names:
                 known = did_you_mean(name, rig.rope_names)

@@ -75,6 +75,32 @@ def test_index_is_how_disturbances_grow(name, formulation):
     assert np.log2(fine / coarse) == pytest.approx(index - 1, abs=0.15)
 
 
+@pytest.mark.parametrize("formulation", dae.FORMULATIONS)
+def test_index_where_nothing_is_left_to_swing(formulation):
+    """A load on two winches: the index is 3, and constraints that are left keep it there."""
+    rig = models.Rig(
+        name="two_winches",
+        masses=(models.Load("load", 100.0),),
+        ropes=tuple(
+            models.Rope(side, (f"{side}_mast", "load"), drum_radius=0.1, winch_inertia=1.0)
+            for side in ("left", "right")
+        ),
+        drives=tuple(models.Drive(f"{side}_winch", side, 1e4) for side in ("left", "right")),
+        outputs=("load.x", "load.z"),
+        anchors=tuple(
+            models.Anchor(f"{side}_mast", (x, 0.0, 0.0)) for side, x in (("left", -5), ("right", 5))
+        ),
+        home={"load": (0.0, 0.0, -5.0)},
+        dimensions=2,
+    )
+    if dae.why_not(rig, formulation):
+        pytest.skip("does not apply")
+    path = rest_to_rest((-3, -4), (3, -3), duration=2.0, order=9)
+    coarse, fine = (amplification(rig, path, formulation, h, 1e-8) for h in (0.004, 0.002))
+    index = dae.formulation(rig, formulation).index
+    assert np.log2(fine / coarse) == pytest.approx(index - 1, abs=0.15)
+
+
 def test_each_application_takes_two_off_the_index(crane):
     rig, _ = crane
     assert [dae.formulation(rig, name).index for name in ("direct", ONCE, TWICE, THREE_TIMES)] == [

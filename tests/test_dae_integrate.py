@@ -126,6 +126,28 @@ def test_singular_equations_are_a_failure():
     assert found.motion.times.tolist() == [0.0]
 
 
+@pytest.mark.parametrize("formulation", dae.FORMULATIONS)
+def test_no_rope_passes_through_its_winch(formulation):
+    """The equations would go on with a rope of negative length."""
+    rig = models.overhead_crane()
+    if dae.why_not(rig, formulation):
+        pytest.skip("does not apply")
+    path = rest_to_rest((0, -4), (0, 4), duration=3.0, order=4)  # through the trolley at 1.5 s
+    found = feedforward.integrate(rig, path, step=0.07, formulation=formulation)
+    assert "hoist would pass through its own winch at trolley" in found.failure.reason
+    assert found.failure.time == found.motion.times[-1] == pytest.approx(1.47)
+    assert found.counters.steps == len(found.motion.times) - 1
+
+
+def test_no_trolley_leaves_its_rail():
+    rig = models.overhead_crane()
+    path = rest_to_rest((0, -4), (20, -1), duration=6.0, order=4)
+    found = feedforward.integrate(rig, path, step=0.1)
+    assert "trolley is at 8.172 m, rail beam goes from -2 m to 8 m" in found.failure.reason
+    trolley = found.motion.positions[:, found.motion.column("trolley.position")]
+    assert 7.0 < trolley[-1] == trolley.max() < 8.0
+
+
 def test_start_is_the_equilibrium():
     rig, path = default("navy_crane_2d")
     for formulation in ("direct", "minimal extension, minimal", "minimal extension, twice"):
@@ -140,11 +162,19 @@ def test_mistakes_get_one_line():
         feedforward.integrate(rig, path, step=0.1, scheme="implicit euler")
     with pytest.raises(OptionError, match="did you mean minimal extension"):
         feedforward.integrate(rig, path, step=0.1, formulation="minimal extention")
-    for step in (0.0, -1.0, float("nan"), float("inf"), 1e-12):
+    for step in (0.0, -1.0, float("nan"), float("inf"), 1e-12, "0.1", None, True):
         with pytest.raises(OptionError, match="step is"):
             feedforward.integrate(rig, path, step=step)
-    with pytest.raises(OptionError, match="tolerance is 2"):
-        feedforward.integrate(rig, path, step=0.1, scheme="Radau IIA 3", tolerance=2.0)
+    for value in (2.0, "1e-3", float("nan")):
+        with pytest.raises(OptionError, match=r"tolerance is .*between 0 and 1"):
+            feedforward.integrate(rig, path, step=0.1, scheme="Radau IIA 3", tolerance=value)
+    for name in (None, 3, ["BDF 2"]):
+        with pytest.raises(OptionError, match="there is no scheme"):
+            feedforward.integrate(rig, path, step=0.1, scheme=name)
+        with pytest.raises(OptionError, match="there is no formulation"):
+            feedforward.integrate(rig, path, step=0.1, formulation=name)
+    with pytest.raises(PathError, match="is a Move, it must be a path"):
+        feedforward.integrate(rig, models.default_move(rig), step=0.1)
     with pytest.raises(OptionError, match=r"no error estimate.*Radau IIA 3"):
         feedforward.integrate(rig, path, step=0.1, scheme="BDF 3", tolerance=1e-3)
     with pytest.raises(PathError, match="3 columns"):

@@ -53,7 +53,7 @@ def test_order_of_every_scheme(name, scheme):
             assert abs(order[i] - expected) < 0.15
 
 
-@pytest.mark.parametrize("scheme", ["implicit Euler", "BDF 2", "BDF 3", "Radau IIA 2"])
+@pytest.mark.parametrize("scheme", dae.SCHEMES)
 @pytest.mark.parametrize("name", PATHS)
 def test_order_of_coordinates_without_index_reduction(name, scheme):
     order, *_ = measured(name, "direct", scheme, 2 * STEPS[name])

@@ -280,8 +280,13 @@ def test_extrapolation_removes_the_even_powers() -> None:
         ({"duration": 0.0}, "above 0"),
         ({"steps": 0}, "above 0"),
         ({"duration": np.nan}, "above 0"),
+        ({"duration": "1"}, "above 0"),
+        ({"steps": 1.5}, "above 0, the latter whole"),
         ({"q": [0.0]}, "q must be 12 finite numbers"),
         ({"v": [np.nan] * 12}, "v must be 12 finite numbers"),
+        ({"v": "fast"}, "v must be numbers"),
+        ({"v": [1.0] * 12}, "v is not consistent with constraint"),
+        ({"q": [9.0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]}, "q is not consistent with constraint"),
     ],
 )
 def test_a_mistake_is_said_in_one_line(change: dict[str, object], message: str) -> None:
@@ -293,6 +298,9 @@ def test_a_mistake_is_said_in_one_line(change: dict[str, object], message: str) 
         GeneralisedAlpha(radius=1.5)
     with pytest.raises(OptionError, match="increasing numbers"):
         integrators.integrate_index_one(system, start.q, start.v, [0.0, 0.0])
+    for option, text in (({"method": "RK4"}, "did you mean RK45"), ({"rtol": 0.0}, "rtol must")):
+        with pytest.raises(OptionError, match=text):
+            integrators.integrate_index_one(system, start.q, start.v, [0.0, 1.0], **option)
 
 
 def test_a_singular_start_is_said_in_one_line() -> None:

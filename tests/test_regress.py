@@ -108,9 +108,14 @@ def test_what_is_no_baseline(tmp_path):
     with pytest.raises(OptionError, match="--update makes it"):
         baseline.read(tmp_path / "none.csv")
     other = tmp_path / "other.csv"
-    other.write_text("a,b\n1,2\n3,4\n")
-    with pytest.raises(OptionError, match="not a table of flatrig regress"):
-        baseline.read(other)
+    baseline.write(other, {KEY: 1.0})
+    good = other.read_text()
+    empty = good.rpartition("rotary_crane")[0]
+    for text in ("", "a,b\n1,2\n3,4\n", "a,b,c\n", empty, good.replace(",1,", ",nan,")):
+        assert text != good
+        other.write_text(text)
+        with pytest.raises(OptionError, match="not a table of flatrig regress"):
+            baseline.read(other)
 
 
 def test_exit_status_and_what_is_said(tmp_path, capsys):
@@ -122,6 +127,11 @@ def test_exit_status_and_what_is_said(tmp_path, capsys):
     assert "all in band" in capsys.readouterr().out
     stored = baseline.read(file)[0]
     key = ("overhead_crane", "IMPLICIT", 1e-2, "arrival")
+    baseline.write(file, {key: stored[key]})
+    assert cli.main([*arguments, "--resume"]) == 0
+    said = capsys.readouterr().out
+    assert "19 numbers of overhead_crane have no stored ones" in said
+    assert "all in band, 1 numbers" in said
     baseline.write(file, stored | {key: 1.2 * stored[key]})
     assert cli.main([*arguments, "--resume"]) == 1
     said = capsys.readouterr().out

@@ -94,6 +94,16 @@ def test_stretch_and_frequency_are_those_of_a_spring_between_two_masses():
     assert_allclose(way - home[-1], LOAD * 9.81 / k, rtol=1e-7)
 
 
+def test_a_damping_ratio_may_be_given_by_rope():
+    rig = models.roped_overhead_crane()
+    ratios = (0.05, {"pull": 0.05, "hoist": 0.1})
+    alike, by_rope = (
+        np.ravel(bare(rig, Ropes("elastic", damping_ratio=ratio)).tendon_damping)
+        for ratio in ratios
+    )
+    assert_allclose(by_rope[by_rope > 0] / alike[alike > 0], [1.0, 2.0], rtol=1e-12)
+
+
 def test_ea_is_shared_out_over_the_length():
     rig = models.roped_overhead_crane()
     model = bare(rig, Ropes("elastic", ea={"pull": 1e6, "hoist": 2e6}))

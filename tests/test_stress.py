@@ -195,3 +195,5 @@ def test_the_command_counts_keeps_and_tells(monkeypatch, capsys, tmp_path):
         rows = list(csv.DictReader(file))
     assert [row["ending"] for row in rows] == [CORRECT, STOPPED, WRONG]
     assert cli.main([*command, "--only", "nothing"]) == 2
+    for option in ("--seed=-1", "--rigs=0", "--processes=0"):
+        assert cli.main([*command, option]) == 2

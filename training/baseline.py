@@ -19,6 +19,9 @@ from ..models.files import write_text
 FILE = Path(__file__).parent / "baselines" / "regress.csv"
 """The one that is shipped."""
 
+HEAD = "# MuJoCo "
+"""How its first line begins, before the version."""
+
 SHARE = 0.05
 """Band about a stored number, as a share of it."""
 
@@ -91,13 +94,15 @@ def read(path: str | Path = FILE) -> tuple[dict[Key, float], str]:
             for quantity in ROUNDING
             if row[quantity]
         }
+        if not (first.startswith(HEAD) and stored) or any(map(math.isnan, stored.values())):
+            raise ValueError
     except OSError as error:
         raise OptionError(
             f"--baseline {path}: {error.strerror or error}; --update makes it"
         ) from None
     except (KeyError, ValueError, TypeError):
         raise OptionError(f"--baseline {path}: not a table of flatrig regress") from None
-    return stored, first.removeprefix("# MuJoCo ")
+    return stored, first.removeprefix(HEAD)
 
 
 def write(path: str | Path, found: dict[Key, float]) -> None:
@@ -116,7 +121,7 @@ def write(path: str | Path, found: dict[Key, float]) -> None:
         numbers = [table.get((model, integrator, step, quantity)) for quantity in ROUNDING]
         shown = ["" if value is None else f"{value:.4g}" for value in numbers]
         out.writerow([model, integrator, f"{step:g}", *shown])
-    write_text(path, f"# MuJoCo {mujoco.__version__}\n{text.getvalue()}")
+    write_text(path, f"{HEAD}{mujoco.__version__}\n{text.getvalue()}")
 
 
 def _within(quantity: str, new: float, old: float) -> bool:

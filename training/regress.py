@@ -101,10 +101,15 @@ def main(command: options.Regress) -> int:
         baseline.write(file, found)
         out.print(f"wrote {file}; MuJoCo {mujoco.__version__}", soft_wrap=True)
         return 1 if gone else 0
-    new = sorted({key[0] for key in found} - {key[0] for key in stored})
+    new = [key for key in found if key not in stored]
     if new:
-        out.print(f"no stored numbers of {', '.join(new)}; --update stores them", soft_wrap=True)
-    verdict = f"{len(gone)} of {len(found)} numbers left their band" if gone else "all in band"
+        models = ", ".join(dict.fromkeys(key[0] for key in new))
+        text = f"{len(new)} numbers of {models} have no stored ones; --update stores them"
+        out.print(text, soft_wrap=True)
+    verdict = f"{len(gone)} of {len(found)} numbers left their band"
+    if not gone:
+        compared = len(found) - len(new)
+        verdict = f"all in band, {compared} numbers" if compared else "nothing was compared"
     out.print(f"{verdict}; MuJoCo {mujoco.__version__}, stored ones by {version}", soft_wrap=True)
     return 1 if gone else 0
 

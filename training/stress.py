@@ -20,6 +20,7 @@ import os
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, fields
 from multiprocessing import get_context
 from pathlib import Path
@@ -29,7 +30,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 from rich.text import Text
 
-from ..models.errors import OptionError, did_you_mean
+from ..models.errors import FlatrigError, OptionError, did_you_mean
 from ..models.files import write_text
 from . import (
     options,
@@ -56,8 +57,8 @@ SHOWN = 4
 
 def main(command: options.Stress) -> int:
     """Run the cases, show the table and write `stress.csv`; 1 if a case was wrong."""
-    for name in ("rigs", "processes"):
-        options.check_number(name, getattr(command, name), lowest=1, open_end=False)
+    for name, lowest in (("rigs", 1), ("processes", 1), ("seed", 0)):
+        options.check_number(name, getattr(command, name), lowest=lowest, open_end=False)
     chosen = _chosen(list(cases(command.rigs, command.seed)), command.only)
     folder, out = Path(command.output or FOLDER), console()
     make_folder(folder)
@@ -129,6 +130,8 @@ def _judged(left: Sequence[Case], processes: int) -> Iterator[list[Outcome]]:
         chunks = [left[i : i + CHUNK] for i in range(0, len(left), CHUNK)]
         for future in as_completed([pool.submit(judge_all, chunk) for chunk in chunks]):
             yield future.result()
+    except BrokenProcessPool:
+        raise FlatrigError("a process was ended from outside; --resume goes on after it") from None
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
 

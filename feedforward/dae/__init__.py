@@ -38,6 +38,9 @@ minimal extension, twice                  1, 3   Y 5.25
 minimal extension, three times            1      for the 3D Navy crane, whose index is 7
 ========================================  =====  ==========================================
 
+Indices are those of cranes whose own is 5 or 7.  Where nothing can swing (a load on as many winches
+as it has directions) the problem's is 3, and constraints that are left keep it there.
+
 Schemes: implicit Euler (the sources'), BDF 2 to 5, Radau IIA with 2 and 3 stages, the latter with a
 tolerance too, and two that oscillate, the midpoint and the trapezoidal rule.
 
@@ -48,9 +51,10 @@ step once the index is 3, and inputs have the scheme's order of differentiation.
 scheme has an order above 1: orders are measured along smoother paths.  Each differentiation also
 divides rounding errors by the step, so errors of index-3 inputs rise again like 1e-16 / step^2.
 
-Limits.  A step can jump over a place that the rig cannot pass, which `solve` would refuse.  A
-projection in minimal coordinates cannot start with a massless pulley straight below its winch; the
-others creep away from there, and near it the pulley's place is as uncertain as the equations.
+Limits.  Between two steps nothing is looked at: one can jump over a place that the rig cannot pass,
+which `solve` would refuse, unless it leads off a rail or turns a rope around.  A projection in
+minimal coordinates cannot start with a massless pulley straight below its winch; the others creep
+away from there, and near it the pulley's place is as uncertain as the equations.
 """
 
 from .catalogue import FORMULATIONS, SCHEMES, formulation, scheme, why_not

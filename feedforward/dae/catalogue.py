@@ -94,7 +94,6 @@ SCHEMES: dict[str, Scheme] = {scheme.name: scheme for scheme in _ALL}
 """The schemes by name."""
 
 
-@lru_cache(maxsize=256)
 def formulation(rig: Rig, name: str) -> Formulation:
     """A formulation of a rig's inverse dynamics.
 
@@ -102,8 +101,13 @@ def formulation(rig: Rig, name: str) -> Formulation:
         OptionError: there is none of that name.
         RigError: it does not apply to the rig, and why.
     """
-    if name not in BUILDERS:
-        raise OptionError(f"there is no formulation {name!r}{did_you_mean(name, BUILDERS)}")
+    if name not in FORMULATIONS:
+        raise OptionError(f"there is no formulation {name!r}{did_you_mean(str(name), BUILDERS)}")
+    return _built(rig, name)
+
+
+@lru_cache(maxsize=256)
+def _built(rig: Rig, name: str) -> Formulation:
     analysis = analyse(rig)
     if not analysis.flat:
         raise RigError(
@@ -132,6 +136,6 @@ def scheme(name: str) -> Scheme:
     Raises:
         OptionError: there is none of that name.
     """
-    if name not in SCHEMES:
-        raise OptionError(f"there is no scheme {name!r}{did_you_mean(name, SCHEMES)}")
+    if name not in tuple(SCHEMES):  # which need not be a word
+        raise OptionError(f"there is no scheme {name!r}{did_you_mean(str(name), SCHEMES)}")
     return SCHEMES[name]

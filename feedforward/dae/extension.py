@@ -55,8 +55,11 @@ class Extension:
 
     @property
     def index(self) -> int:
-        """Two less than that of the problem."""
-        return self.direct.index - 2
+        """Two less than that of the problem, but 3 where constraints are left: these stay as they
+        are.
+        """
+        least = 3 if self.mechanics.coordinates.constraints else 1
+        return max(self.direct.index - 2, least)
 
     def evaluate(self, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool) -> Evaluated:
         """The direct equations with dummies, then the derivatives of the servo constraints."""

@@ -5,9 +5,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.errors import OptionError, PathError, did_you_mean
+from ...models.errors import OptionError, did_you_mean
 from ...models.rig import Rig
+from ..branch import accept_columns
+from ..checks import as_number
 from ..reference import Reference
+from ..refusal import off_rails, reversal
 from .catalogue import SCHEMES
 from .catalogue import formulation as formulation_of
 from .catalogue import scheme as scheme_of
@@ -54,12 +57,14 @@ def integrate(
     Returns:
         The motion at the steps and what it cost.  The last instant is the end of the path or, if
         the step does not divide its duration, the first one after it.  If some step has no
-        solution, the motion ends before it and `failure` says why.
+        solution, or leads off a rail or through the end of a rope, the motion ends before it and
+        `failure` says why.
 
     Raises:
         OptionError: an option has a value that it cannot have.
         RigError: the formulation does not apply to the rig.
-        PathError: the rig cannot rest at the start of the path.
+        PathError: the reference is no path of the rig's outputs, or the rig cannot rest at its
+            start.
     """
     equations, method = formulation_of(rig, formulation), scheme_of(scheme)
     _check(rig, reference, step, tolerance, method)
@@ -72,6 +77,11 @@ def integrate(
         times, states, failure = _controlled(
             equations, method, reference, newton, rest, (step, tolerance)
         )
+    impossible = _impossible(equations, states)
+    if impossible is not None:
+        first, reason = impossible
+        failure = Failure(times[first - 1], times[first] - times[first - 1], reason)
+        times, states = times[:first], states[:first]
     newton.counters.steps = len(states) - 1
     motion = motion_of(equations, np.array(times), states, start_angles(rig, reference))
     return Integration(motion, formulation, scheme, newton.counters, failure)
@@ -80,18 +90,14 @@ def integrate(
 def _check(
     rig: Rig, reference: Reference, step: float, tolerance: float | None, method: Scheme
 ) -> None:
-    if reference.size != len(rig.outputs):
-        raise PathError(
-            f"the reference has {reference.size} columns, rig {rig.name} needs "
-            f"{len(rig.outputs)}: {', '.join(rig.outputs)}"
-        )
-    if not (0.0 < step < math.inf and reference.duration / step <= MOST_STEPS):
-        least = reference.duration / MOST_STEPS
-        raise OptionError(f"step is {step:g} s, it must be a number >= {least:g} s")
+    accept_columns(rig, reference)
+    least = reference.duration / MOST_STEPS
+    if not least <= as_number(step) < math.inf:
+        raise OptionError(f"step is {step!r} s, it must be a number >= {least:g} s")
     if tolerance is None:
         return
-    if not 0.0 < tolerance < 1.0:
-        raise OptionError(f"tolerance is {tolerance:g}, it must be between 0 and 1")
+    if not 0.0 < as_number(tolerance) < 1.0:
+        raise OptionError(f"tolerance is {tolerance!r}, it must be a number between 0 and 1")
     if not method.estimates:
         able = [name for name, one in SCHEMES.items() if one.estimates]
         raise OptionError(
@@ -180,6 +186,18 @@ def _lost(equations: Formulation, rest: State, stepped: Stepped) -> bool:
     bound = FARTHEST * (1.0 + float(np.abs(rest.z[:count]).max()))
     state = stepped.state
     return not (np.abs(state.z[:count]).max() < bound and np.isfinite(np.array(state)).all())
+
+
+def _impossible(equations: Formulation, states: list[State]) -> tuple[int, str] | None:
+    """The first state that the rig cannot go to from the one before, and why not, if any."""
+    coordinates = equations.mechanics.coordinates
+    e, count = coordinates.equations, len(coordinates.names)
+    places = np.array([coordinates.place(state.z[:count]).q for state in states]).T
+    found = [off_rails(e.rig, e.names, places)]
+    passed = reversal(e, places)
+    if passed is not None:
+        found.append((passed[0] + 1, passed[1]))
+    return min((one for one in found if one is not None), default=None)
 
 
 def _error(equations: Formulation, stepped: Stepped, h: float) -> float:

@@ -176,7 +176,8 @@ class Newton:
                 return None
             change = np.linalg.lstsq(matrix, residual / rows, rcond=RANK)[0]
             length = float(np.abs(change).max())
-            unknowns = unknowns - change / columns * min(1.0, CAUTIOUS * size / length)
+            share = min(1.0, CAUTIOUS * size / max(length, TOLERANCE))
+            unknowns = unknowns - change / columns * share
             if (length <= FLOOR * size and length > 0.5 * last) or length <= TOLERANCE * size:
                 return unknowns
             last = length

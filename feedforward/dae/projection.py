@@ -84,8 +84,11 @@ class Projection:
 
     @property
     def index(self) -> int:
-        """Two less than that of the problem."""
-        return Direct(self.mechanics).index - 2
+        """Two less than that of the problem, but 3 where constraints are left, which stay as they
+        are, and 2 elsewhere: the inputs need the rates.
+        """
+        least = 3 if self.mechanics.coordinates.constraints else 2
+        return max(Direct(self.mechanics).index - 2, least)
 
     def evaluate(self, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool) -> Evaluated:
         """Tangential and orthogonal projection, constraints, servo constraints."""

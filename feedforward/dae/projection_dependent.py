@@ -44,8 +44,8 @@ class DependentProjection:
 
     @property
     def index(self) -> int:
-        """Two less than that of the problem."""
-        return Direct(self.mechanics).index - 2
+        """Two less than that of the problem, but at least 2: the inputs need the rates."""
+        return max(Direct(self.mechanics).index - 2, 2)
 
     def evaluate(self, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool) -> Evaluated:
         """The three projections, constraints, servo constraints."""

@@ -58,7 +58,9 @@ def motion_of(
     for name, cos, sin in e.turning:
         near = np.unwrap(np.arctan2(series[0, :, sin], series[0, :, cos]))
         turns = np.round((angles[name] - near[0]) / (2.0 * np.pi))
-        columns[name] = turning_angle(series[..., cos], series[..., sin], near + 2.0 * np.pi * turns)
+        columns[name] = turning_angle(
+            series[..., cos], series[..., sin], near + 2.0 * np.pi * turns
+        )
     for orientation in e.orientations:
         hidden |= set(orientation.directors)
         columns |= _bryant(series[..., list(orientation.directors)], orientation.angles)

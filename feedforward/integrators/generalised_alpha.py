@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.errors import OptionError
+from ..checks import as_number
 from ..multibody.system import System
 from .newton import Force, Stage
 from .stage import OneStage
@@ -34,8 +35,8 @@ class GeneralisedAlpha(OneStage):
     share: ClassVar[float] = 1.0
 
     def __post_init__(self) -> None:
-        if not 0 <= self.radius <= 1:
-            raise OptionError(f"spectral radius {self.radius}: it must be between 0 and 1")
+        if not 0 <= as_number(self.radius) <= 1:
+            raise OptionError(f"spectral radius {self.radius!r}: it must be between 0 and 1")
 
     @property
     def alpha_m(self) -> float:

@@ -1,14 +1,23 @@
 """Runs: the common driver of the schemes, and the index-1 form by an explicit method."""
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import solve_ivp
 
-from ...models.errors import OptionError, RigError
+from ...models.errors import OptionError, RigError, did_you_mean
+from ..checks import as_number
+from ..multibody.assembly import TOLERANCE
 from ..multibody.system import System
 from .state import Counters, Failure, Run, Scheme, State, Step
 
 Array = NDArray[np.float64]
+
+METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
+"""Of `scipy.integrate.solve_ivp`."""
+FINEST = 2.3e-14
+"""Least relative tolerance that SciPy takes."""
 
 
 def integrate(
@@ -28,11 +37,15 @@ def integrate(
         The run; if a step fails, up to there, with `failure` set.
 
     Raises:
-        OptionError: duration or steps are not above 0, or q or v have not n finite numbers.
+        OptionError: duration or steps are not numbers above 0, or q or v have not n finite
+            numbers, or break the constraints or their rates.
         RigError: the equations are singular at the start.
     """
-    if not (np.isfinite(duration) and duration > 0 and steps > 0):
-        raise OptionError(f"duration {duration} s in {steps} steps: both must be above 0")
+    whole = isinstance(steps, int | np.integer) and not isinstance(steps, bool)
+    if not (0 < as_number(duration) < math.inf and whole and steps > 0):
+        raise OptionError(
+            f"duration {duration!r} s in {steps!r} steps: both must be above 0, the latter whole"
+        )
     h, counters, failure = duration / steps, Counters(), None
     position, velocity = _start(system, q, v)
     states = [scheme.begin(system, position, velocity)]
@@ -72,8 +85,8 @@ def integrate_index_one(
         q: coordinates at the start, shape (n,).
         v: their rates, shape (n,).
         times: increasing, from the start on, shape (N,) [s].
-        method: of `scipy.integrate.solve_ivp`.
-        rtol: relative tolerance.
+        method: one of `METHODS`.
+        rtol: relative tolerance, from `FINEST` on.
         atol: absolute tolerance.
 
     Returns:
@@ -81,12 +94,19 @@ def integrate_index_one(
         evaluation.
 
     Raises:
-        OptionError: the times do not increase, or q or v have not n finite numbers.
+        OptionError: the times do not increase, a tolerance is not above 0, there is no such
+            method, or q and v are not as for `integrate`.
         RigError: the equations are singular at the start.
     """
-    n, at = len(system.names), np.asarray(times, dtype=np.float64)
+    n, at = len(system.names), _numbers("times", times)
     if at.ndim != 1 or len(at) < 2 or not (np.diff(at) > 0).all():
         raise OptionError(f"times must be two or more increasing numbers, got {at.tolist()}")
+    if method not in METHODS:
+        raise OptionError(f"there is no method {method!r}{did_you_mean(str(method), METHODS)}")
+    if not (FINEST <= as_number(rtol) < 1 and 0 < as_number(atol) < math.inf):
+        raise OptionError(
+            f"tolerances are {rtol!r} and {atol!r}: rtol must be {FINEST:g} to 1, atol above 0"
+        )
     start = np.concatenate(_start(system, q, v))
 
     def rate(_: float, state: Array) -> Array:
@@ -106,12 +126,22 @@ def integrate_index_one(
 
 
 def _start(system: System, q: ArrayLike, v: ArrayLike) -> tuple[Array, Array]:
-    """Coordinates and rates to start from, where the equations can be solved."""
+    """Coordinates and rates to start from, consistent, where the equations can be solved."""
     position, velocity = _vector(system, "q", q), _vector(system, "v", v)
     try:
         system.accelerations(position, velocity)
     except np.linalg.LinAlgError:
         raise RigError(f"{system.name}: the equations are singular at the start") from None
+    size, speed = (max(1.0, float(np.abs(part).max())) for part in (position, velocity))
+    away = np.abs(system.constraint_values(position)) / size**2
+    drift = np.abs(system.constraint_jacobian(position) @ velocity) / (size * speed)
+    for name, broken in (("q", away), ("v", drift)):
+        if not broken.max() <= TOLERANCE:
+            worst = system.constraint_names[int(broken.argmax())]
+            raise OptionError(
+                f"{name} is not consistent with constraint {worst} of {system.name}, by "
+                f"{broken.max():.2g} of its size; `multibody.assemble` gives a start that is"
+            )
     return position, velocity
 
 
@@ -124,8 +154,15 @@ def _step(scheme: Scheme, system: System, state: State, h: float) -> Step | Fail
         return Failure("singular", "a matrix of the step is singular")
 
 
+def _numbers(name: str, given: ArrayLike) -> Array:
+    try:
+        return np.array(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise OptionError(f"{name} must be numbers, got {given!r}") from None
+
+
 def _vector(system: System, name: str, given: ArrayLike) -> Array:
-    array = np.array(given, dtype=np.float64)
+    array = _numbers(name, given)
     if array.shape != (len(system.names),) or not np.isfinite(array).all():
         raise OptionError(
             f"{name} must be {len(system.names)} finite numbers, got shape {array.shape}"
