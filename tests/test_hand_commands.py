@@ -11,7 +11,8 @@ from flatrig import models
 from flatrig.feedforward.rolling import in_cones, joint_forces, plan_hand
 from flatrig.training import figures_k2, figures_k2_grasp
 from flatrig.training.cli import main
-from flatrig.training.options import Analyse, is_hand
+from flatrig.training.look_up import is_hand
+from flatrig.training.options import Analyse
 
 pytest.importorskip("clarabel")
 

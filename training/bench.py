@@ -1,5 +1,7 @@
 """`flatrig bench`: how fast and how accurate, with the goals beside the numbers.
 
+`flatrig bench feedforward` is `bench_feedforward`.
+
 Ratios compare two things in one run on one machine: they are timed in turns, and the median over
 the repetitions is taken, so that other load on the machine hits both alike.
 """
@@ -20,6 +22,7 @@ from ..feedforward import Reference, analyse, equations_of, from_move, solve
 from ..feedforward.branch import approach, branch_of
 from ..feedforward.servo import servo_of
 from ..models import Rig, default_move
+from ..models.errors import OptionError
 from . import options
 from .accuracy import accuracy_table
 from .console import console, table, warning
@@ -50,8 +53,16 @@ STEPS = 100
 
 
 def main(command: options.Bench) -> None:
-    """Print all tables."""
+    """Print all tables; of another topic, those of its module."""
     options.check_number("--repetitions", command.repetitions)
+    if command.topic == "feedforward":
+        from . import bench_feedforward
+
+        bench_feedforward.main(command)
+        return
+    for name in ("rig", "formulation", "scheme", "output", "resume"):
+        if getattr(command, name):
+            raise OptionError(f"--{name} is for `flatrig bench feedforward`")
     out = console()
     out.print(feedforward_table(command.repetitions))
     out.print(environment_table(command.repetitions))

@@ -31,6 +31,10 @@ COMMANDS: dict[type, str] = {
     options.Train: "train:main",
     options.Bench: "bench:main",
     options.Accuracy: "accuracy:main",
+    options.Hands: "hand_table:main",
+    options.Regress: "regress:main",
+    options.Lean: "lean:main",
+    options.Stress: "stress:main",
     options.Render: "film:main",
     options.Scenes: "film:write_scenes",
     options.Reproduce: "reproduce:main",
@@ -44,6 +48,10 @@ _Command = (
     | Annotated[options.Train, subcommand("train")]
     | Annotated[options.Bench, subcommand("bench")]
     | Annotated[options.Accuracy, subcommand("accuracy")]
+    | Annotated[options.Regress, subcommand("regress")]
+    | Annotated[options.Lean, subcommand("lean")]
+    | Annotated[options.Stress, subcommand("stress")]
+    | Annotated[options.Hands, subcommand("hands")]
     | Annotated[options.Render, subcommand("render")]
     | Annotated[options.Scenes, subcommand("scenes")]
     | Annotated[options.Reproduce, subcommand("reproduce")]
@@ -56,7 +64,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     module, _, function = COMMANDS[type(command)].partition(":")
     try:
         run = getattr(importlib.import_module(f".{module}", __package__), function)
-        run(command)
+        return int(run(command) or 0)
     except FlatrigError as error:
         return _fail(str(error))
     except MemoryError:
@@ -70,7 +78,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         _fail("interrupted")
         return 130
-    return 0
 
 
 def _parse(argv: Sequence[str] | None) -> Any:

@@ -22,6 +22,7 @@ from ..models import Move, Rig
 from ..models.errors import OptionError
 from . import options
 from .console import console
+from .look_up import is_hand
 from .metrics import Metrics, Record, between, measure
 from .policy import Policy, shipped
 
@@ -141,7 +142,7 @@ def carried(rig: Rig) -> tuple[list[int], list[int]]:
 
 def main(command: options.Compare) -> None:
     """Compare, print the table, and save tables and figure."""
-    if options.is_hand(command.rig):
+    if is_hand(command.rig):
         from . import compare_hands
 
         compare_hands.main(command)

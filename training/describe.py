@@ -17,6 +17,7 @@ from ..models import CATALOGUE, Rig, default_move, make
 from ..models.errors import OptionError, PathError
 from . import options
 from .console import console, table, warning
+from .look_up import is_hand
 
 MOST_SAMPLES = 10_000_000
 """More is taken for a slip of the finger."""
@@ -42,7 +43,7 @@ def show_catalogue(_: options.List) -> None:
 
 def show_analysis(command: options.Analyse) -> None:
     """Print the structure of the rig's equations and what the move asks of the rig."""
-    if options.is_hand(command.rig):
+    if is_hand(command.rig):
         from . import describe_hands
 
         describe_hands.show_analysis(command)
@@ -118,7 +119,7 @@ def _show_sizing(report: Feasibility) -> None:
 
 def write_solution(command: options.Solve) -> None:
     """Solve for the inputs, print a summary and write the CSV."""
-    if options.is_hand(command.rig):
+    if is_hand(command.rig):
         from . import describe_hands
 
         describe_hands.write_solution(command)

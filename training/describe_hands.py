@@ -38,6 +38,7 @@ from ..models.files import replacing
 from . import options
 from .console import console, table, warning
 from .describe import sample_times
+from .look_up import assignments
 
 Array = NDArray[np.float64]
 
@@ -63,7 +64,7 @@ def target(command: options.RigOptions) -> tuple[Hand, HandMove]:
     for name in OF_CRANES:
         if getattr(command, name, None):
             raise OptionError(f"--{name} is for cranes, {command.rig} is a hand")
-    values: dict[str, float | bool] = {**options.assignments(command.set)}
+    values: dict[str, float | bool] = {**assignments(command.set)}
     if "spin" in values:
         values["spin"] = bool(values["spin"])
     hand = make_hand(command.rig, **values)

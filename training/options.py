@@ -4,16 +4,15 @@ Nothing heavy is imported here, so that `flatrig --help` answers at once.
 """
 
 import math
-import os
-from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from tyro.conf import Positional, arg
 
-from ..models import Move, Rig, default_move, load, load_move, make, printed_move
-from ..models.errors import OptionError, did_you_mean
+from ..models import Move, Rig, load_move, printed_move
+from ..models.errors import OptionError
+from .look_up import assignments, is_file, look_up
 
 MINUTES = 10.0
 """To train for, if nothing else is said."""
@@ -32,17 +31,19 @@ class RigOptions:
     move: str = ""
     """TOML file with another [move], or "printed" for the one of the source that cannot be made."""
     start: tuple[float, ...] = ()
-    """Start of the move, one number for each output of the rig [m]."""
+    """Start of the move, one number for each output of the rig [m]; a hand's angles [rad]."""
     goal: tuple[float, ...] = ()
-    """End of the move [m]."""
+    """End of the move [m], [rad]."""
     duration: float | None = None
     """Duration of the move [s]."""
     profile: Literal["polynomial", "three_phase"] | None = None
     """Shape of the move over time."""
     order: int | None = None
-    """Continuous derivatives of a polynomial move."""
+    """Continuous derivatives of the move."""
     blend: float | None = None
     """Duration of each blend of a three-phase move [s]."""
+    turning: Literal["rpy", "axis", "rolling", "spinning"] | None = None
+    """Of a hand's move: how the orientation goes from start to goal."""
 
     def target(self) -> tuple[Rig, Move]:
         """The rig and its move, with the changes made.
@@ -50,7 +51,9 @@ class RigOptions:
         Raises:
             FlatrigError: something names what does not exist, or has a value it cannot have.
         """
-        rig, move = _look_up(self.rig, _assignments(self.set))
+        if self.turning:
+            raise OptionError(f"--turning {self.turning} is for hands, {self.rig} is none")
+        rig, move = look_up(self.rig, assignments(self.set))
         if self.move:
             move = printed_move(rig) if self.move == "printed" else load_move(self.move)
         names = ("start", "goal", "duration", "profile", "order", "blend")
@@ -64,7 +67,7 @@ class RigOptions:
 
     def label(self) -> str:
         """A name for files about this rig."""
-        return Path(self.rig).stem if _is_file(self.rig) else _look_up(self.rig, {})[0].name
+        return Path(self.rig).stem if is_file(self.rig) else look_up(self.rig, {})[0].name
 
 
 @dataclass(frozen=True)
@@ -143,13 +146,59 @@ class Train(RigOptions):
 class Bench:
     """Measure the solver, the environments and the accuracy in MuJoCo on this machine."""
 
+    topic: Positional[Literal["speed", "feedforward"]] = "speed"
+    """"feedforward": the error of every formulation and scheme against its run time instead."""
     repetitions: int = 15
-    """How often each timing is repeated."""
+    """How often each timing is repeated, of "speed"."""
+    rig: tuple[str, ...] = ()
+    """Names in the catalogue, as the options below of "feedforward"; all of it if left out."""
+    formulation: tuple[str, ...] = ()
+    """Names of formulations ("minimal extension"); all if left out."""
+    scheme: tuple[str, ...] = ()
+    """Names of schemes ("BDF 3") and of peers ("CasADi IDAS"); all if left out."""
+    processes: int = 2
+    """That run side by side."""
+    output: Output = ""
+    """Folder for tables and figures, results/bench if left out; or a PNG file for one figure of
+    one rig (the rotary crane)."""
+    resume: bool = False
+    """Keep what an interrupted run has left in that folder."""
 
 
 @dataclass(frozen=True)
 class Accuracy:
     """Say how far exact feedforward lands from its path in MuJoCo, for every crane."""
+
+
+@dataclass(frozen=True)
+class Regress:
+    """Run every crane with every integrator of MuJoCo, and compare with the stored numbers."""
+
+    rig: Positional[tuple[str, ...]] = ()
+    """Names in the catalogue; all of it if left out."""
+    output: Output = ""
+    """Folder for table and figures; results/regress if left out."""
+    resume: bool = False
+    """Keep what an interrupted run of the same models has left in that folder."""
+    baseline: str = ""
+    """CSV file to compare with; the shipped one if left out."""
+    update: bool = False
+    """Write the numbers to that file instead of comparing them."""
+
+
+@dataclass(frozen=True)
+class Lean:
+    """Say what every scene carries, what it costs, and what was left out."""
+
+
+@dataclass(frozen=True)
+class Hands:
+    """Say how well contacts of rolling hands roll and hold in MuJoCo."""
+
+    name: Positional[str] = ""
+    """Hand of the catalogue; all if left out."""
+    output: Output = ""
+    """Film one hand's motion instead, as GIF or MP4."""
 
 
 @dataclass(frozen=True)
@@ -186,6 +235,26 @@ class Reproduce:
     """List what there is instead."""
     output: Output = ""
     """Folder for figures and tables; results/reproduce if left out."""
+    page: str = ""
+    """Markdown file to write instead, with small pictures, tables, and what differs from print."""
+
+
+@dataclass(frozen=True)
+class Stress:
+    """Run stiff and extreme cases, each of which must end as it is told to."""
+
+    rigs: int = 10_000
+    """Random rigs, each with a random move."""
+    seed: int = 0
+    """Of the random rigs."""
+    only: str = ""
+    """Rows of the table to run: those with this in their name; all if left out."""
+    processes: int = 2
+    """That run cases side by side."""
+    output: Output = ""
+    """Folder for the table; results/stress if left out."""
+    resume: bool = False
+    """Keep what an interrupted run has left in that folder."""
 
 
 def check_number(
@@ -200,75 +269,3 @@ def check_number(
     if not good:
         given = f"{value:g} {unit}".strip()
         raise OptionError(f"{name} is {given}, it must be {'>' if open_end else '>='} {lowest:g}")
-
-
-def _is_file(name: str) -> bool:
-    return name.endswith(".toml") or os.sep in name
-
-
-def _look_up(name: str, changes: Mapping[str, float]) -> tuple[Rig, Move | None]:
-    """A rig with its move, from a file or the catalogue; `changes` as for `--set`."""
-    of_parts = {key: value for key, value in changes.items() if "." in key}
-    of_rig = {key: value for key, value in changes.items() if "." not in key}
-    if _is_file(name):
-        rig, move = load(name)
-        for key in of_rig:
-            parts = [part.name for part in _parts(rig)]
-            raise OptionError(f"--set {key}: in a file's rig write part.field{_known(parts)}")
-    else:
-        rig = make(name, **of_rig)
-        move = default_move(rig)
-    for key, value in of_parts.items():
-        rig = _with(rig, key, value)
-    return rig, move
-
-
-def _known(names: list[str]) -> str:
-    return f"; parts are {', '.join(names)}"
-
-
-def _parts(rig: Rig) -> list[Any]:
-    return [*rig.frames, *rig.rails, *rig.masses, *rig.ropes, *rig.drives]
-
-
-def _with(rig: Rig, key: str, value: float) -> Rig:
-    """The rig with one number of one part replaced, `key` = part.field."""
-    part_name, _, name = key.partition(".")
-    holders = [part for part in _parts(rig) if part.name == part_name]
-    if not holders:
-        known = [part.name for part in _parts(rig)]
-        raise OptionError(f"--set {key}: no part {part_name!r}{did_you_mean(part_name, known)}")
-    numbers = {
-        item.name: part
-        for part in holders
-        for item in fields(part)
-        if isinstance(getattr(part, item.name), float | int)
-    }
-    if name not in numbers:
-        raise OptionError(f"--set {key}: no number {name!r}{did_you_mean(name, numbers)}")
-    old, kind = numbers[name], _kind_of(rig, numbers[name])
-    changes: dict[str, Any] = {
-        kind: tuple(
-            replace(part, **{name: value}) if part is old else part for part in getattr(rig, kind)
-        )
-    }
-    return replace(rig, **changes)
-
-
-def _kind_of(rig: Rig, part: Any) -> str:
-    kinds = ("frames", "rails", "masses", "ropes", "drives")
-    return next(kind for kind in kinds if any(part is one for one in getattr(rig, kind)))
-
-
-def _assignments(texts: tuple[str, ...]) -> dict[str, float]:
-    """`name=number` texts as a dictionary."""
-    values: dict[str, float] = {}
-    for text in texts:
-        name, equals, number = text.partition("=")
-        try:
-            values[name] = float(number)
-        except ValueError:
-            equals = ""
-        if not equals or not name:
-            raise OptionError(f"--set {text}: write name=number, such as load_mass=80")
-    return values

@@ -1,0 +1,92 @@
+"""Rigs by name or file, with numbers changed from the command line."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from difflib import get_close_matches
+from typing import Any
+
+from ..models import CATALOGUE, HAND_CATALOGUE, Move, Rig, default_move, load, make
+from ..models.errors import OptionError, did_you_mean
+
+
+def is_hand(name: str) -> bool:
+    """Whether a hand of the catalogue is meant, by a short or mistyped name too."""
+    plain = name.replace("-", "_").lower()
+    nearest = get_close_matches(plain, (*CATALOGUE, *HAND_CATALOGUE), n=1)
+    return not is_file(name) and bool(nearest) and nearest[0] in HAND_CATALOGUE
+
+
+def is_file(name: str) -> bool:
+    """Whether it is meant as a file's name."""
+    return name.endswith(".toml") or os.sep in name
+
+
+def look_up(name: str, changes: Mapping[str, float]) -> tuple[Rig, Move | None]:
+    """A rig with its move, from a file or the catalogue; `changes` as for `--set`."""
+    if is_hand(name):
+        raise OptionError(f"{name} is a hand; this command is for cranes only")
+    of_parts = {key: value for key, value in changes.items() if "." in key}
+    of_rig = {key: value for key, value in changes.items() if "." not in key}
+    if is_file(name):
+        rig, move = load(name)
+        for key in of_rig:
+            parts = [part.name for part in _parts(rig)]
+            raise OptionError(f"--set {key}: in a file's rig write part.field{_known(parts)}")
+    else:
+        rig = make(name, **of_rig)
+        move = default_move(rig)
+    for key, value in of_parts.items():
+        rig = _with(rig, key, value)
+    return rig, move
+
+
+def _known(names: list[str]) -> str:
+    return f"; parts are {', '.join(names)}"
+
+
+def _parts(rig: Rig) -> list[Any]:
+    return [*rig.frames, *rig.rails, *rig.masses, *rig.ropes, *rig.drives]
+
+
+def _with(rig: Rig, key: str, value: float) -> Rig:
+    """The rig with one number of one part replaced, `key` = part.field."""
+    part_name, _, name = key.partition(".")
+    holders = [part for part in _parts(rig) if part.name == part_name]
+    if not holders:
+        known = [part.name for part in _parts(rig)]
+        raise OptionError(f"--set {key}: no part {part_name!r}{did_you_mean(part_name, known)}")
+    numbers = {
+        item.name: part
+        for part in holders
+        for item in fields(part)
+        if isinstance(getattr(part, item.name), float | int)
+    }
+    if name not in numbers:
+        raise OptionError(f"--set {key}: no number {name!r}{did_you_mean(name, numbers)}")
+    old, kind = numbers[name], _kind_of(rig, numbers[name])
+    changes: dict[str, Any] = {
+        kind: tuple(
+            replace(part, **{name: value}) if part is old else part for part in getattr(rig, kind)
+        )
+    }
+    return replace(rig, **changes)
+
+
+def _kind_of(rig: Rig, part: Any) -> str:
+    kinds = ("frames", "rails", "masses", "ropes", "drives")
+    return next(kind for kind in kinds if any(part is one for one in getattr(rig, kind)))
+
+
+def assignments(texts: tuple[str, ...]) -> dict[str, float]:
+    """`name=number` texts as a dictionary."""
+    values: dict[str, float] = {}
+    for text in texts:
+        name, equals, number = text.partition("=")
+        try:
+            values[name] = float(number)
+        except ValueError:
+            equals = ""
+        if not equals or not name:
+            raise OptionError(f"--set {text}: write name=number, such as load_mass=80")
+    return values
