@@ -188,10 +188,12 @@ def test_a_hand_takes_the_options_that_it_can() -> None:
     assert move.goal == figures_k2.default_hand_move(hand).goal
 
 
-def test_example_of_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
+def test_examples_of_the_page_run(capsys: pytest.CaptureFixture[str]) -> None:
     page = (Path(__file__).resolve().parents[1] / "docs" / "hands.md").read_text(encoding="utf-8")
-    (block,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
-    exec(compile(block, "hands.md", "exec"), {})
+    blocks = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    assert len(blocks) == 2
+    for block in blocks:
+        exec(compile(block, "hands.md", "exec"), {})
     out = capsys.readouterr().out
     assert "leaves its friction cone" in out
     assert Path("motion.csv").exists()
