@@ -18,7 +18,7 @@ from ..models.rig import Rig
 from .assembly import equations_of
 from .equations import Equations, redundant
 from .reference import Reference
-from .refusal import failure, passing, stay_on_rails
+from .refusal import failure, first_wrong, passing, stay_on_rails
 from .servo import prescribe
 from .steps import Step, plan
 from .structure import Analysis, analyse
@@ -128,6 +128,10 @@ def _follow(
             break
         errors.append(error)
     else:
+        # A trolley that has left its rail by then is the plainer reason.
+        until = slice(first_wrong(solution, signs, times))
+        names, path = equations_of(rig).names, _values(solution)
+        stay_on_rails(rig, names, path[:, until], times[until])
         raise errors[-1]
     if np.ptp(taylor[0], axis=0).any() and solution.straight.mean() > MOSTLY:
         raise PathError(

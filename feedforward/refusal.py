@@ -19,7 +19,7 @@ RAIL_TOLERANCE = 1e-9
 """How far past the end of a rail a trolley may be through rounding [m]."""
 
 
-def _first_wrong(solution: Solution, signs: dict[int, float], times: Array) -> int | None:
+def first_wrong(solution: Solution, signs: dict[int, float], times: Array) -> int | None:
     """The earliest sample that has no solution or lies beyond a singular place, if any."""
     wrong = ~solution.solved
     for block, sign in solution.signs.items():
@@ -40,7 +40,7 @@ def failure(
     when: str = "",
 ) -> PathError | None:
     """What is wrong at the first wrong sample, with its time and its outputs (N, outputs)."""
-    first = _first_wrong(solution, signs, times)
+    first = first_wrong(solution, signs, times)
     if first is None:
         return None
     guilty = [

@@ -240,6 +240,17 @@ def test_refuses_a_path_through_the_rail_with_time_and_place():
         solve(models.overhead_crane(), path, [9.0])  # alone, beyond the rail
 
 
+@pytest.mark.parametrize("thing", ["overhead_crane", None, models.overhead_crane])
+def test_what_is_no_rig_is_refused_in_one_line(thing):
+    with pytest.raises(RigError, match=r"it must be a Rig; models.make\(name\) makes one"):
+        solve(thing, OVERHEAD, 0.0)
+
+
+def test_a_move_beyond_the_boom_names_the_rail():
+    with pytest.raises(PathError, match=r"trolley is at 7\.\d+ m, rail beam goes from"):
+        solve(models.gantry_crane(), rest_to_rest((5, 0, -5), (9, 0, -5), 20), 0.0)
+
+
 def test_refuses_free_fall():
     path = rest_to_rest((0, -1), (0, -9), duration=1.5)
     with pytest.raises(PathError, match=r"cannot follow the path at t = 0\.\d+ s"):

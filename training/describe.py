@@ -31,12 +31,12 @@ def show_catalogue(_: options.List) -> None:
     """Print a table of the rigs and one of the hands."""
     from . import describe_hands
 
-    shown = table("Rigs", "name", "inputs", "outputs", "move", right=False)
+    shown = table("Rigs", "name", "inputs", "outputs", "move [m, rad]", right=False)
     for name in CATALOGUE:
         rig, move = make(name), default_move(name)
         ends = " to ".join(_point(point) for point in (move.start, move.goal))
         inputs = ", ".join(f"{input} [{unit}]" for input, unit in zip(*_inputs(rig), strict=True))
-        shown.add_row(name, inputs, ", ".join(rig.outputs), f"{ends} m in {move.duration:g} s")
+        shown.add_row(name, inputs, ", ".join(rig.outputs), f"{ends} in {move.duration:g} s")
     console().print(shown)
     describe_hands.show_catalogue()
 
