@@ -8,7 +8,7 @@ INSTALL := $(PIP) install --quiet --constraint constraints.txt
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install demo test lint types bench scenes train reproduce clean
+.PHONY: help install demo test lint types bench regress stress figures scenes train reproduce clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -45,8 +45,19 @@ lint: $(VENV)/.dev  ## ruff alone
 types: $(VENV)/.dev  ## mypy alone
 	$(BIN)/mypy
 
-bench: $(VENV)/.core  ## measure the solver and the environments on this machine
+bench: $(VENV)/.core  ## measure speed, accuracy in MuJoCo, and error against run time on this machine
 	$(BIN)/flatrig bench
+	$(BIN)/flatrig accuracy
+	$(BIN)/flatrig bench feedforward
+
+regress: $(VENV)/.core  ## compare every model and integrator with the stored numbers
+	$(BIN)/flatrig regress
+
+stress: $(VENV)/.core  ## stiff and extreme cases, ten thousand random rigs
+	$(BIN)/flatrig stress
+
+figures: $(VENV)/.dev  ## draw the sources' figures anew, into docs/
+	$(BIN)/flatrig reproduce all --page docs/reproduced.md
 
 scenes: $(VENV)/.core  ## write the default scenes to models/*.xml
 	$(BIN)/flatrig scenes
@@ -55,7 +66,7 @@ train: $(VENV)/.dev  ## train a residual policy for the overhead and the rotary 
 	$(BIN)/flatrig train overhead
 	$(BIN)/flatrig train rotary
 
-reproduce: scenes train  ## make the scenes and policies anew, and compare with these policies
+reproduce: scenes figures train  ## make scenes, figures and policies anew, and compare with these policies
 	$(BIN)/flatrig compare overhead --policy runs/overhead_crane-seed0/policy.json
 	$(BIN)/flatrig compare rotary --policy runs/rotary_crane-seed0/policy.json
 
