@@ -32,6 +32,7 @@ from ..models.run import run as simulate
 from ..models.state import points
 from . import console, plots, sheets
 from .drift import DURATION, drift, free_motion
+from .work_precision import LOOKS
 
 Array = NDArray[np.float64]
 
@@ -49,18 +50,6 @@ MUJOCO = {"RK4": "RK4", "Euler": "EULER", "implicit": "IMPLICIT"}
 """The other two integrators step as Euler does, where nothing damps."""
 ENERGY = 410.12
 """Size of the energy at the start [J], the tower's top being at zero."""
-LOOKS: dict[str, tuple[str, str]] = {
-    "implicit Euler": (plots.COLOURS[0], "o"),
-    "midpoint": (plots.COLOURS[3], "o"),
-    "energy-momentum": (plots.COLOURS[4], "o"),
-    "reduced energy-momentum": (plots.COLOURS[4], "v"),
-    "variational": (plots.COLOURS[5], "o"),
-    "generalised-alpha": (plots.COLOURS[2], "o"),
-    "MuJoCo RK4": (plots.COLOURS[1], "s"),
-    "MuJoCo Euler": (plots.COLOURS[1], "^"),
-    "MuJoCo implicit": (plots.COLOURS[1], "P"),
-}
-"""Colours by method, marks by kind."""
 
 
 class Kept(NamedTuple):
@@ -154,6 +143,8 @@ def _draw(stem: Path, runs: Sequence[Kept], conditions: Sequence[Condition]) -> 
     drawn, axes = plots.figure(8.8, 6.0, nrows=2, ncols=2)
     for name, (colour, mark) in LOOKS.items():
         rows = [run for run in runs if run.method == name]
+        if not rows:
+            continue
         marked: dict[str, Any] = {"color": colour, "label": name, "linewidth": 1.3}
         marked |= {"marker": mark, "markersize": 4}
         steps = [1e3 * run.step for run in rows]
