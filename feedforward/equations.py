@@ -99,6 +99,19 @@ class Equations:
             self.input_constant + np.einsum("iaj,...j->...ia", self.input_linear, state)
         )
 
+    def tensions(self, state: Array, multipliers: Array) -> Array:
+        """Of the ropes where they leave their winches [N], shape (N, ropes).
+
+        States (N, n) and multipliers (N, m).
+        """
+        ones = _with_one(state)
+        found = np.zeros((len(state), len(self.rig.ropes)))
+        named = zip(self.rig.ropes, self.spans, self.span_lengths, strict=True)
+        for i, (rope, spans, rows) in enumerate(named):
+            falls = rope.falls if len(spans) == 1 else 1
+            found[:, i] = multipliers[:, spans[0]] * (ones @ rows[0]) / falls
+        return found
+
     def accelerations(self, state: Array, rate: Array, inputs: Array) -> tuple[Array, Array]:
         """Accelerations (N, n) and multipliers (N, m) under given inputs (N, a).
 

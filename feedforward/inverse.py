@@ -93,17 +93,7 @@ def _motion(
     positions, velocities, accelerations = np.array([columns[name] for name in names]).transpose(
         1, 2, 0
     )
-    ones = np.ones(len(times))
-    tensions = np.array(
-        [
-            values[:, spans[0]]
-            * (lengths[0] @ np.vstack((state[:, 0], ones)))
-            / (rope.falls if len(spans) == 1 else 1)
-            for rope, spans, lengths in zip(
-                rig.ropes, equations.spans, equations.span_lengths, strict=True
-            )
-        ]
-    ).reshape(len(rig.ropes), len(times))
+    tensions = equations.tensions(state[:, 0].T, values[:, :m])
     return Motion(
         rig=rig,
         times=times,
@@ -112,9 +102,9 @@ def _motion(
         velocities=velocities,
         accelerations=accelerations,
         inputs=values[:, m:],
-        tensions=tensions.T,
+        tensions=tensions,
         multipliers=values[:, :m],
-        slack=find_slack(rig, times, tensions.T),
+        slack=find_slack(rig, times, tensions),
     )
 
 

@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..equations import Equations
 from ..inverse import turning_angle
 from ..motion import Motion, find_slack
 from ..rotation import bryant
@@ -67,7 +66,7 @@ def motion_of(
     free = (name for i, name in enumerate(e.names) if i not in hidden)
     names = tuple(dict.fromkeys((*rig.coordinate_names, *free)))
     kinematics = np.array([columns[name] for name in names]).transpose(1, 2, 0)
-    tensions = _tensions(e, series[0], multipliers)
+    tensions = e.tensions(series[0], multipliers)
     return Motion(
         rig=rig,
         times=times,
@@ -111,16 +110,6 @@ def _polynomial(equations: Formulation, state: State) -> _Polynomial:
         pulls = forces.gradient[lost].T
         multipliers[lost] = np.linalg.lstsq(pulls, -forces.unbalanced, rcond=None)[0]
     return _Polynomial(np.array([forces.place.q, slope @ rate, second]), multipliers, inputs)
-
-
-def _tensions(e: Equations, states: Array, multipliers: Array) -> Array:
-    """Of the ropes where they leave their winches, shape (N, ropes)."""
-    ones = np.hstack((states, np.ones((len(states), 1))))
-    tensions = np.zeros((len(states), len(e.rig.ropes)))
-    for i, (rope, spans, rows) in enumerate(zip(e.rig.ropes, e.spans, e.span_lengths, strict=True)):
-        falls = rope.falls if len(spans) == 1 else 1
-        tensions[:, i] = multipliers[:, spans[0]] * (ones @ rows[0]) / falls
-    return tensions
 
 
 def _bryant(directors: Array, names: tuple[str, str, str]) -> dict[str, Array]:
