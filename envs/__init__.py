@@ -8,23 +8,23 @@
     env = gym.make("flatrig/TwoFingerHand-v0", disturbances="standard", sensors="full")
     env = envs.PoseFeedback(envs.Feedforward(envs.PD(env)))
 
-Importing this package registers them; `flatrig.envs.task` documents the options of cranes,
-`flatrig.envs.hand_task` those of hands.
+Importing this package registers them; `flatrig.envs.crane.task` documents the options of cranes,
+`flatrig.envs.hand.task` those of hands.
 """
 
 import gymnasium as gym
 
 from .compensation import FrictionCompensation
 from .controllers import PD, Feedforward, Residual
-from .disturbances import Disturbances, Scenario, design
-from .hand_disturbances import HandDisturbances, HandScenario, hand_design
+from .crane.disturbances import Disturbances, Scenario, design
+from .crane.references import RandomMoves
+from .crane.task import CraneTask, Outcome
+from .hand.disturbances import HandDisturbances, HandScenario, hand_design
+from .hand.goals import RandomGoals
+from .hand.task import HandTask
 from .hand_env import HandEnv, HandVectorEnv
-from .hand_goals import RandomGoals
-from .hand_task import HandTask
 from .pose_feedback import PoseFeedback
-from .references import RandomMoves
 from .single import CraneEnv
-from .task import CraneTask, Outcome
 from .vector import CraneVectorEnv
 
 __all__ = [

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from ..models.errors import OptionError, did_you_mean
 from ..models.friction import Friction
-from ..models.rig import Frame, Rope
+from ..models.rig.rig import Frame, Rope
 from .controllers import AnyEnv, Law, refuse_below, task_of, wrap
-from .disturbances import Disturbances
-from .task import CraneTask
+from .crane.disturbances import Disturbances
+from .crane.task import CraneTask
 
 Array = NDArray[np.float64]
 

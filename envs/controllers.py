@@ -26,9 +26,9 @@ from gymnasium.vector import VectorEnv, VectorWrapper
 from numpy.typing import ArrayLike, NDArray
 
 from ..models.errors import OptionError
+from .crane.tuning import Gains, Track
 from .episodes import Task
-from .options import actions_of, number
-from .tuning import Gains, Track
+from .option_checks import actions_of, number
 
 Array = NDArray[np.float64]
 AnyEnv = gym.Env[Any, Any] | VectorEnv[Any, Any, Any]
@@ -169,7 +169,7 @@ def PD(
     stiffness, damping
         For each drive, per metre, or radian of a turning frame: [N/m, N s/m] for a trolley,
         [N m/m, N m s/m], torque per metre of rope, for a winch, [N m/rad, N m s/rad] for a
-        turning frame.  By default they follow from the rig, see `flatrig.envs.tuning`.
+        turning frame.  By default they follow from the rig, see `flatrig.envs.crane.tuning`.
 
     Raises
     ------

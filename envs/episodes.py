@@ -1,7 +1,7 @@
 """What all tasks share: n simulations whose episodes begin, go on step by step, and end.
 
 A task has a plant, a planner whose plans are read row by row, encoders, commands and a reward;
-`flatrig.envs.task` puts them together for cranes, `flatrig.envs.hand_task` for hands.
+`flatrig.envs.crane.task` puts them together for cranes, `flatrig.envs.hand.task` for hands.
 """
 
 from collections.abc import Sequence
@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..models.errors import OptionError
-from .disturbances import Scenario
-from .options import actions_of
-from .plant import NOT_FINITE, Ids
+from .crane.disturbances import Scenario
+from .crane.plant import NOT_FINITE, Ids
+from .crane.tuning import Gains, Track
+from .option_checks import actions_of
 from .rewards import NAMES as REWARD_NAMES
 from .rewards import Reward
 from .signals import Commands, Encoders, Rows
-from .tuning import Gains, Track
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

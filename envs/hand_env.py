@@ -1,4 +1,4 @@
-"""Hands with Gymnasium's `Env` and `VectorEnv` interfaces; see `flatrig.envs.hand_task`.
+"""Hands with Gymnasium's `Env` and `VectorEnv` interfaces; see `flatrig.envs.hand.task`.
 
 env = gym.make("flatrig/TwoFingerHand-v0", disturbances="standard", sensors="full")
 env = envs.PoseFeedback(envs.Feedforward(envs.PD(env)))
@@ -7,8 +7,8 @@ env.reset(seed=0, options={"scenario": HandScenario(mass=1.2), "reference": Hand
 
 from typing import Any
 
-from ..models.hand_mjcf import compile_hand
-from .hand_task import HandTask
+from ..models.mjcf.hand_model import compile_hand
+from .hand.task import HandTask
 from .rendering import Camera
 from .single import TaskEnv
 from .vector import TaskVectorEnv

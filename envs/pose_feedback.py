@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..models.errors import OptionError
 from .controllers import AnyEnv, Law, PDLaw, laws_of, refuse_below, task_of, wrap
-from .hand_task import HandTask
+from .hand.task import HandTask
 
 Array = NDArray[np.float64]
 

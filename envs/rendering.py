@@ -15,7 +15,7 @@ class Camera:
     """Shows joints of a model, as an array ("rgb_array") or in a window ("human")."""
 
     def __init__(self, model: mujoco.MjModel, mode: str) -> None:
-        from ..models import render  # only here: finding a backend for drawing takes a second
+        from ..models.looks import render  # only here: finding a backend for drawing takes a second
 
         self._draw = render.draw
         self._model = model

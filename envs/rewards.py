@@ -10,7 +10,7 @@ An episode that ends early gets nothing in its last step, and nothing thereafter
 import numpy as np
 from numpy.typing import NDArray
 
-from .geometry import Scales
+from .crane.geometry import Scales
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.errors import OptionError
-from .disturbances import LONGEST_DELAY
-from .plan import Layout, Plan
-from .plant import Ids
+from .crane.disturbances import LONGEST_DELAY
+from .crane.plan import Layout, Plan
+from .crane.plant import Ids
 
 Array = NDArray[np.float64]
 Steps = NDArray[np.int64]

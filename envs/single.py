@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import models
+from .crane.task import CraneTask
 from .episodes import Task
-from .options import actions_of, check_options, seed_of
+from .option_checks import actions_of, check_options, seed_of
 from .rendering import MODES, Camera, check_mode
 from .spaces import action_space, observation_space
-from .task import CraneTask
 
 Array = NDArray[np.float64]
 
@@ -99,7 +99,7 @@ class TaskEnv(gym.Env[Any, Any]):
 
 
 class CraneEnv(TaskEnv):
-    """A crane that is to follow a reference; see `flatrig.envs.task` for the parameters.
+    """A crane that is to follow a reference; see `flatrig.envs.crane.task` for the parameters.
 
     `reset(options={"scenario": Scenario(...), "reference": ...})` prescribes what would be drawn.
     `info` tells the truth: "load", "reference", "tension", "input", "reward_terms", and in

@@ -3,8 +3,8 @@
 import numpy as np
 from gymnasium.spaces import Box
 
+from .crane.observation import LIMIT
 from .episodes import Task
-from .observation import LIMIT
 
 
 def observation_space(task: Task) -> Box:

@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import models
 from ..models.errors import OptionError
+from .crane.task import CraneTask
 from .episodes import Task
-from .options import check_options, seed_of
+from .option_checks import check_options, seed_of
 from .rendering import Camera, check_mode
 from .spaces import action_space, observation_space
-from .task import CraneTask
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -70,7 +70,8 @@ class TaskVectorEnv(VectorEnv[Array, Any, Any]):
         Raises
         ------
         OptionError
-            Seeds, a mask or a list are not one for each crane, or `flatrig.envs.task` refuses one.
+            Seeds, a mask or a list are not one for each crane, or `flatrig.envs.crane.task`
+            refuses one.
         """
         options = check_options(options, OPTIONS)
         mask = options.get("reset_mask")
@@ -154,7 +155,7 @@ class TaskVectorEnv(VectorEnv[Array, Any, Any]):
 
 
 class CraneVectorEnv(TaskVectorEnv):
-    """n cranes that are to follow references; see `flatrig.envs.task` for the parameters.
+    """n cranes that are to follow references; see `flatrig.envs.crane.task` for the parameters.
 
     A crane whose episode is over begins the next one in the following step, which ignores its
     action and rewards it with 0 (autoreset mode NEXT_STEP).  Seeded with `seed`, crane i is the

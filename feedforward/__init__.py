@@ -8,22 +8,22 @@ Example::
     motion.inputs, motion.tensions, motion.positions
 """
 
-from .assembly import equations_of
-from .bisector import Beside, Bisected, beside, bisected, massless
-from .curves import Curve, CurvedPath, Polynomial, Waypoints, along, over
 from .dae import Integration, integrate
-from .energy import Regulator
-from .equations import Equations, redundant
-from .feasibility import Feasibility, Sizing, check, driven_unit
-from .inverse import solve
-from .motion import Motion, Slack
-from .obstacles import Box, Clearance, Sphere, clearance
-from .profiles import Profile, RestToRest, ThreePhase
-from .reference import Reference, from_move, hold, rest_to_rest, three_phase
-from .sampled import from_csv, sampled
-from .structure import Analysis, analyse
-from .timing import Scaled, Shortest, scaled, shortest_duration
-from .verification import residuals
+from .exact.assembly import equations_of
+from .exact.equations import Equations, redundant
+from .exact.inverse import solve
+from .exact.motion import Motion, Slack
+from .exact.structure import Analysis, analyse
+from .exact.verification import residuals
+from .paths.curves import Curve, CurvedPath, Polynomial, Waypoints, along, over
+from .paths.profiles import Profile, RestToRest, ThreePhase
+from .paths.recordings import from_csv, sampled
+from .paths.reference import Reference, from_move, hold, rest_to_rest, three_phase
+from .planning.bisector import Beside, Bisected, beside, bisected, massless
+from .planning.feasibility import Feasibility, Sizing, check, driven_unit
+from .planning.obstacles import Box, Clearance, Sphere, clearance
+from .planning.timing import Scaled, Shortest, scaled, shortest_duration
+from .stability.energy import Regulator
 
 __all__ = [
     "Analysis",

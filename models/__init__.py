@@ -9,20 +9,9 @@ Importing this package does not load MuJoCo; `compile` does.
 
 from typing import TYPE_CHECKING, Any
 
-from .cable_manipulator import cable_manipulator
-from .catalogue import CATALOGUE, default_move, full_name, make, printed_move
-from .cranes import (
-    cantilever_crane,
-    extended_rotary_crane,
-    gantry_crane,
-    overhead_crane,
-    roped_overhead_crane,
-    rotary_crane,
-    rotary_crane_small,
-)
 from .errors import FlatrigError, ModelError, OptionError, PathError, RigError, SmoothnessError
 from .files import OutputError
-from .hand_catalogue import (
+from .hand.catalogue import (
     HAND_CATALOGUE,
     PRINTED_HAND_MOVES,
     ball_between_oblique_plates,
@@ -34,12 +23,15 @@ from .hand_catalogue import (
     three_finger_hand,
     two_finger_hand,
 )
-from .hand_moves import HandMove
-from .hands import Finger, Hand, HeldObject, Plate, Tip
-from .move import Move
-from .moves import PRINTED_MOVES
-from .navy_cranes import navy_crane_2d, navy_crane_3d
-from .rig import (
+from .hand.hand import Finger, Hand, HeldObject, Plate, Tip
+from .hand.move import HandMove
+from .mjcf.ropes import Ropes
+from .rig.catalogue import CATALOGUE, default_move, full_name, make, printed_move
+from .rig.manipulators import cable_manipulator
+from .rig.move import Move
+from .rig.moves import PRINTED_MOVES
+from .rig.navy_cranes import navy_crane_2d, navy_crane_3d
+from .rig.rig import (
     WORLD,
     Anchor,
     Combination,
@@ -53,8 +45,16 @@ from .rig import (
     Sheave,
     Trolley,
 )
-from .ropes import Ropes
-from .toml import dump, dumps, load, load_move, loads
+from .rig.toml import dump, dumps, load, load_move, loads
+from .rig.trolley_cranes import (
+    cantilever_crane,
+    extended_rotary_crane,
+    gantry_crane,
+    overhead_crane,
+    roped_overhead_crane,
+    rotary_crane,
+    rotary_crane_small,
+)
 
 if TYPE_CHECKING:
     import mujoco
@@ -124,22 +124,22 @@ __all__ = [
 
 
 def compile(rig: Rig, **options: Any) -> "mujoco.MjModel":
-    """The rig's MuJoCo model; see `flatrig.models.mjcf.compile` for the options.
+    """The rig's MuJoCo model; see `flatrig.models.mjcf.rig_model.compile` for the options.
 
     Raises:
         ModelError: MuJoCo cannot hold the rig, or would simulate something else.
     """
-    from . import mjcf
+    from .mjcf import rig_model as mjcf
 
     return mjcf.compile(rig, **options)
 
 
 def compile_hand(hand: Hand, **options: Any) -> "mujoco.MjModel":
-    """The hand's MuJoCo model; see `flatrig.models.hand_mjcf.compile_hand` for the options.
+    """The hand's MuJoCo model; see `flatrig.models.mjcf.hand_model.compile_hand` for the options.
 
     Raises:
         ModelError: the object cannot be held at home, or MuJoCo refuses the model.
     """
-    from . import hand_mjcf
+    from .mjcf import hand_model as hand_mjcf
 
     return hand_mjcf.compile_hand(hand, **options)

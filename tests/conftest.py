@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flatrig.models import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Trolley
-from flatrig.models.chain import links
+from flatrig.models.rig.chain import links
 
 ROOT3 = np.sqrt(3.0)
 

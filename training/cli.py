@@ -24,20 +24,20 @@ from . import options
 
 # What runs each subcommand; its module is imported only then.
 COMMANDS: dict[type, str] = {
-    options.List: "describe:show_catalogue",
-    options.Analyse: "describe:show_analysis",
-    options.Solve: "describe:write_solution",
-    options.Compare: "compare:main",
-    options.Train: "train:main",
-    options.Bench: "bench:main",
-    options.Accuracy: "accuracy:main",
-    options.Hands: "hand_table:main",
-    options.Regress: "regress:main",
-    options.Lean: "lean:main",
-    options.Stress: "stress:main",
-    options.Render: "film:main",
-    options.Scenes: "film:write_scenes",
-    options.Reproduce: "reproduce:main",
+    options.List: "describe.describe_cranes:show_catalogue",
+    options.Analyse: "describe.describe_cranes:show_analysis",
+    options.Solve: "describe.describe_cranes:write_solution",
+    options.Compare: "compare.compare_cranes:main",
+    options.Train: "learn.train:main",
+    options.Bench: "bench.speed:main",
+    options.Accuracy: "bench.accuracy:main",
+    options.Hands: "bench.rolling_accuracy:main",
+    options.Regress: "regress.regression:main",
+    options.Lean: "bench.lean:main",
+    options.Stress: "stress.suite:main",
+    options.Render: "describe.film:main",
+    options.Scenes: "describe.film:write_scenes",
+    options.Reproduce: "reproduce.index:main",
 }
 
 _Command = (

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError
 from safetensors.numpy import load_file, save
 
-from ..envs.task import CraneTask
+from ..envs.crane.task import CraneTask
 from ..models.errors import OptionError
 from ..models.files import replacing, write_text
 from .recall import Memory, Recall

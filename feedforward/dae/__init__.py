@@ -57,9 +57,9 @@ minimal coordinates cannot start with a massless pulley straight below its winch
 away from there, and near it the pulley's place is as uncertain as the equations.
 """
 
-from .catalogue import FORMULATIONS, SCHEMES, formulation, scheme, why_not
 from .formulation import Formulation
 from .integrate import integrate
+from .methods import FORMULATIONS, SCHEMES, formulation, scheme, why_not
 from .newton import Counters
 from .result import Failure, Integration
 from .schemes import Orders, Scheme, orders

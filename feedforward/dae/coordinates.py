@@ -23,10 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.errors import RigError
-from ...models.rig import Rig
-from ..assembly import equations_of
-from ..equations import Equations
-from ..servo import servo_of
+from ...models.rig.rig import Rig
+from ..exact.assembly import equations_of
+from ..exact.equations import Equations
+from ..exact.servo import servo_of
 
 Array = NDArray[np.float64]
 Kind = Literal["redundant", "dependent", "minimal"]

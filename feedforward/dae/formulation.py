@@ -11,9 +11,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..branch import taylor_of
-from ..reference import Reference
-from ..servo import prescribe
+from ..exact.branch import taylor_of
+from ..exact.servo import prescribe
+from ..paths.reference import Reference
 from .coordinates import Coordinates
 from .mechanics import Mechanics
 

@@ -6,15 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.errors import OptionError, did_you_mean
-from ...models.rig import Rig
-from ..branch import accept_columns
+from ...models.rig.rig import Rig
 from ..checks import as_number
-from ..reference import Reference
-from ..refusal import off_rails, reversal
-from .catalogue import SCHEMES
-from .catalogue import formulation as formulation_of
-from .catalogue import scheme as scheme_of
+from ..exact.branch import accept_columns
+from ..exact.refusal import off_rails, reversal
+from ..paths.reference import Reference
 from .formulation import Formulation, prescribed
+from .methods import SCHEMES
+from .methods import formulation as formulation_of
+from .methods import scheme as scheme_of
 from .newton import NO_NUMBER, Newton
 from .result import Failure, Integration, motion_of
 from .schemes import Scheme, State, Stepped

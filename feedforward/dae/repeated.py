@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..structure import Analysis, Row, analyse
+from ..exact.structure import Analysis, Row, analyse
 from .formulation import Evaluated
 from .mechanics import Mechanics
 

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..inverse import turning_angle
-from ..motion import Motion, find_slack
-from ..rotation import bryant
+from ..exact.inverse import turning_angle
+from ..exact.motion import Motion, find_slack
+from ..series.rotation import bryant
 from .formulation import Formulation
 from .newton import Counters
 from .schemes import State

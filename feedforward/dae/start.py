@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.errors import PathError
-from ...models.rig import Rig
-from ..branch import branch_of
-from ..reference import Reference, hold
-from ..rotation import bryant
+from ...models.rig.rig import Rig
+from ..exact.branch import branch_of
+from ..paths.reference import Reference, hold
+from ..series.rotation import bryant
 from .direct import Direct
 from .formulation import Formulation, prescribed
 

@@ -10,6 +10,7 @@ its reason in `run.failure`.  All keep the constraints to rounding; their rates,
 variational scheme's, satisfy the differentiated constraints only up to the scheme's error.
 """
 
+from .body_state import Counters, Failure, Run, Scheme, State, Step
 from .conditioning import SCHEMES, Condition, table
 from .energy_momentum import EnergyMomentum
 from .extrapolation import extrapolated
@@ -18,7 +19,6 @@ from .implicit_euler import ImplicitEuler
 from .midpoint import Midpoint
 from .reduced import ReducedEnergyMomentum
 from .run import integrate, integrate_index_one
-from .state import Counters, Failure, Run, Scheme, State, Step
 from .variational import Variational
 
 __all__ = [

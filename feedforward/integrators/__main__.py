@@ -1,6 +1,6 @@
 """Tables of what the schemes do: `python -m flatrig.feedforward.integrators`."""
 
-from ...models import squeezer as data
+from ...models.squeezer import mechanism as data
 from ..multibody import angles_of_squeezer, assemble, rotary_crane
 from .conditioning import table
 from .energy_momentum import EnergyMomentum

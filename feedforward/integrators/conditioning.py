@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..multibody.system import System
+from .body_state import Scheme
 from .energy_momentum import EnergyMomentum
 from .generalised_alpha import GeneralisedAlpha
 from .implicit_euler import ImplicitEuler
 from .midpoint import Midpoint
 from .reduced import ReducedEnergyMomentum
-from .state import Scheme
 from .variational import Variational
 
 Array = NDArray[np.float64]

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from ...models.errors import OptionError
 from ..checks import as_number
 from ..multibody.system import System
-from .newton import Force, Stage
+from .body_state import State
+from .iteration import Force, Stage
 from .stage import OneStage
-from .state import State
 
 Array = NDArray[np.float64]
 

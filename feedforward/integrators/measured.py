@@ -13,12 +13,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models import squeezer as data
+from ...models.squeezer import mechanism as data
 from ..multibody import angles_of_squeezer, assemble, rotary_crane, squeezer
+from .body_state import Run, Scheme
 from .conditioning import SCHEMES
 from .extrapolation import extrapolated
 from .run import integrate, integrate_index_one
-from .state import Run, Scheme
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..multibody.system import System
-from .newton import Force, Stage
+from .body_state import State
+from .iteration import Force, Stage
 from .stage import OneStage, midpoint_rate
-from .state import State
 
 Array = NDArray[np.float64]
 

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from ..multibody.nullspace import onto_constraints, split
 from ..multibody.system import System
+from .body_state import Counters, Failure, State, Step
 from .energy_momentum import EnergyMomentum
-from .newton import ROUNDS, Stage, negligible, unsettled
+from .iteration import ROUNDS, Stage, negligible, unsettled
 from .stage import midpoint_rate
-from .state import Counters, Failure, State, Step
 
 Array = NDArray[np.float64]
 

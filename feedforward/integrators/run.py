@@ -8,9 +8,9 @@ from scipy.integrate import solve_ivp
 
 from ...models.errors import OptionError, RigError, did_you_mean
 from ..checks import as_number
-from ..multibody.assembly import TOLERANCE
+from ..multibody.building import TOLERANCE
 from ..multibody.system import System
-from .state import Counters, Failure, Run, Scheme, State, Step
+from .body_state import Counters, Failure, Run, Scheme, State, Step
 
 Array = NDArray[np.float64]
 

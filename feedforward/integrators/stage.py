@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..multibody.system import System
-from .newton import Stage, linearised, solve
-from .state import Counters, Failure, State, Step
+from .body_state import Counters, Failure, State, Step
+from .iteration import Stage, linearised, solve
 
 Array = NDArray[np.float64]
 

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from ..multibody.nullspace import with_momentum
 from ..multibody.system import System
-from .newton import Force, Stage
+from .body_state import State
+from .iteration import Force, Stage
 from .stage import OneStage
-from .state import State
 
 Array = NDArray[np.float64]
 

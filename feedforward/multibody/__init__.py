@@ -10,10 +10,7 @@ added as a coordinate with a constraint of its own.  `flatrig.feedforward.integr
 such systems; forces are gravity, springs and constant efforts, all with a potential.
 """
 
-from .assembly import Start, assemble, track
-from .crane import rotary_crane
-from .nullspace import projected, projected_rate, reduced_accelerations, split, twist_basis
-from .parts import (
+from .bodies import (
     GROUND,
     Angle,
     Body,
@@ -29,6 +26,9 @@ from .parts import (
     euler_of,
     planar,
 )
+from .building import Start, assemble, track
+from .free_crane import rotary_crane
+from .nullspace import projected, projected_rate, reduced_accelerations, split, twist_basis
 from .squeezer import angles_of_squeezer, hinge_of_squeezer, squeezer
 from .system import System, of_equations
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.errors import RigError
-from .parts import Angle, Augmentation, Joint, Prismatic, Revolute, Rope, Slide, Spherical, Vector
+from .bodies import Angle, Augmentation, Joint, Prismatic, Revolute, Rope, Slide, Spherical, Vector
 from .rows import Rows, dot, form
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.errors import RigError, did_you_mean
-from .parts import GROUND, Body, Point, Vector
+from .bodies import GROUND, Body, Point, Vector
 
 Array = NDArray[np.float64]
 Term = tuple[float, Array, Array]

@@ -2,15 +2,15 @@
 
 Seven planar bodies of six coordinates and three constraints each, ten pins of two constraints
 each, and the crank's angle beta as a coordinate that the motor drives.  The numbers and the
-published solution stand in `flatrig.models.squeezer`.
+published solution stand in `flatrig.models.squeezer.mechanism`.
 """
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...models import squeezer as data
-from .assembly import track
-from .parts import GROUND, Angle, Body, Effort, Mechanism, Point, Revolute, Spring, planar
+from ...models.squeezer import mechanism as data
+from .bodies import GROUND, Angle, Body, Effort, Mechanism, Point, Revolute, Spring, planar
+from .building import track
 
 Array = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ def angles_of_squeezer(positions: ArrayLike) -> Array:
         positions: coordinates (N, n) from the start on, so close that no body turns by half a turn
             from one to the next.
 
-    Returns: shape (N, 7), columns as `flatrig.models.squeezer.ANGLES`.
+    Returns: shape (N, 7), columns as `flatrig.models.squeezer.mechanism.ANGLES`.
     """
     q = np.asarray(positions)
     absolute = []

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.errors import RigError, did_you_mean
-from ..equations import Equations
+from ..exact.equations import Equations
 from .terms import SpringTerm, Turn
 
 Array = NDArray[np.float64]

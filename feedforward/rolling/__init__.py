@@ -13,13 +13,13 @@ Contacts are points and roll without slipping; the object is a sphere, or a disc
 from .classification import Classification, classify, table
 from .cones import in_cones
 from .grasp import ContactForces, Outside, grasp_matrix, least_norm, wrench
+from .hand_motion import HandMotion
 from .joints import JointForces, joint_forces
 from .kinematics import Rolling, constraint_matrix
 from .limits import check_limits
-from .motion import HandMotion
+from .overview import report
 from .planning import HandPlan, plan_hand
-from .report import report
-from .verification import Replay, Residuals, replay, residuals
+from .reintegration import Replay, Residuals, replay, residuals
 
 __all__ = [
     "Classification",

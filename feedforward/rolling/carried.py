@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.errors import PathError
-from ...models.hand_moves import HandMove
-from ...models.hands import Hand, Plate
+from ...models.hand.hand import Hand, Plate
+from ...models.hand.move import HandMove
+from ..series.products import between, share
 from .kinematics import cross_matrix, projector
-from .series import between, share
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from ...models.hands import Finger, Hand, Plate, Tip
+from ...models.hand.hand import Finger, Hand, Plate, Tip
 from .kinematics import Rolling
 
 Array = NDArray[np.float64]

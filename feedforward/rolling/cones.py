@@ -15,7 +15,7 @@ from scipy import sparse
 from ...models.errors import OptionError, PathError
 from ..checks import as_number
 from .grasp import OUTSIDE, ContactForces, split, weight_of
-from .motion import HandMotion
+from .hand_motion import HandMotion
 
 Array = NDArray[np.float64]
 

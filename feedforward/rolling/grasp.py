@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.errors import PathError
+from .hand_motion import HandMotion
 from .kinematics import cross_matrix
-from .motion import HandMotion
 
 Array = NDArray[np.float64]
 

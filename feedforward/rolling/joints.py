@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.hands import Tip
+from ...models.hand.hand import Tip
 from .grasp import ContactForces
-from .motion import HandMotion
+from .hand_motion import HandMotion
 
 Array = NDArray[np.float64]
 

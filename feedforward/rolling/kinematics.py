@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.errors import RigError
-from ...models.hands import Hand, Plate, Tip
+from ...models.hand.hand import Hand, Plate, Tip
 
 Array = NDArray[np.float64]
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.errors import PathError
-from ...models.hands import Finger, Plate, Tip
+from ...models.hand.hand import Finger, Plate, Tip
+from .hand_motion import HandMotion
 from .kinematics import projector, spin_direction
-from .motion import HandMotion
 
 Array = NDArray[np.float64]
 

@@ -22,16 +22,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...models.errors import PathError
-from ...models.hand_moves import HandMove
-from ...models.hands import Hand, Plate
+from ...models.hand.hand import Hand, Plate
+from ...models.hand.move import HandMove
 from ..checks import check_duration, check_order, check_times
+from ..series.products import angular_velocity
 from .carried import Carried, carried_by
+from .hand_motion import HandMotion
 from .limits import check_limits
-from .motion import HandMotion
+from .orientation import AboutAxis, ByAngles, Turning
 from .quadrature import integrate
-from .series import angular_velocity
 from .tips import FixedTip, TurningTip, tip_paths
-from .turning import AboutAxis, ByAngles, Turning
 from .with_spin import WithSpin, with_spin
 from .without_spin import without_spin
 

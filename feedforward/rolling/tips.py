@@ -7,21 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.errors import PathError
-from ...models.hand_catalogue import on_sphere
-from ...models.hand_moves import HandMove
-from ...models.hands import Hand, Tip
-from ..rotation import product, sine_cosine
-from .series import (
-    apply,
-    between,
-    cross,
-    derivative,
-    dot,
-    quotient,
-    rotation_of,
-    share,
-)
-from .turning import AboutAxis, Turning
+from ...models.hand.catalogue import on_sphere
+from ...models.hand.hand import Hand, Tip
+from ...models.hand.move import HandMove
+from ..series.products import apply, between, cross, derivative, dot, quotient, rotation_of, share
+from ..series.rotation import product, sine_cosine
+from .orientation import AboutAxis, Turning
 
 Array = NDArray[np.float64]
 

@@ -26,9 +26,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ...models.errors import PathError
-from ...models.hand_moves import HandMove
-from ..rotation import product, sine_cosine
-from .series import (
+from ...models.hand.move import HandMove
+from ..series.products import (
     ORDERS,
     compose,
     derivative,
@@ -38,7 +37,8 @@ from .series import (
     rpy_matrix,
     share,
 )
-from .turning import Axes, turned_by
+from ..series.rotation import product, sine_cosine
+from .orientation import Axes, turned_by
 from .without_spin import LARGEST_THETA
 
 Array = NDArray[np.float64]

@@ -22,10 +22,17 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ...models.errors import PathError
-from ...models.hand_moves import HandMove
-from ..rotation import product, sine_cosine
-from .series import angular_velocity, derivative, rotation_of, rpy_angles, rpy_matrix, share
-from .turning import Axes, turned_by
+from ...models.hand.move import HandMove
+from ..series.products import (
+    angular_velocity,
+    derivative,
+    rotation_of,
+    rpy_angles,
+    rpy_matrix,
+    share,
+)
+from ..series.rotation import product, sine_cosine
+from .orientation import Axes, turned_by
 
 Array = NDArray[np.float64]
 

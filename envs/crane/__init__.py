@@ -1,0 +1,1 @@
+"""The task behind the environments of cranes: follow a reference path."""

@@ -1,0 +1,138 @@
+"""Friction of winches, trolleys and frames, and what of it acts along ropes.
+
+Dry friction is MuJoCo's `frictionloss` on tendons and joints: it sticks.  With static friction
+above Coulomb's (Stribeck, K remark 31) its bound follows the speed substep by substep, as
+`flatrig.models.friction` has it.  Viscous friction is MuJoCo's damping, exact with RK4.
+
+The force of dry friction is exact but for one case.  MuJoCo's batch tells the sum of all friction
+on a joint; where a rope and a trolley rub on the same one, as the rope that pulls the roped
+crane's trolley does, the sum is shared in proportion to what each can bear, a and b.  That is exact
+while both slip, since they slip together; while they stick, the tension is off by at most
+2 a b / (a + b).
+"""
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from ...models.rig.rig import Rig
+from .disturbances import Scenario
+
+Array = NDArray[np.float64]
+
+FAINT = 1e-9
+"""Regularisation of the split of friction among drives that rub on the same joint."""
+
+
+class _Places:
+    """Where a rig's drives rub: tendons and joints of its model."""
+
+    def __init__(self, rig: Rig, model: mujoco.MjModel) -> None:
+        tendons = {model.tendon(index).name: index for index in range(model.ntendon)}
+        drives = [drive.on for drive in rig.drives]
+        trolleys = [trolley.coordinate for trolley in rig.trolleys]
+        self.ropes = [tendons[rope.name] for rope in rig.ropes]
+        self.winches = [tendons[rope.name] for rope in rig.ropes if rope.name in drives]
+        self.sums = [tendons[name] for name in trolleys if name in tendons]
+        self.slides = [_freedom(model, name) for name in trolleys if name not in tendons]
+        self.frames = [_freedom(model, frame.coordinate) for frame in rig.frames]
+
+
+def _freedom(model: mujoco.MjModel, joint: str) -> int:
+    return int(model.joint(joint).dofadr[0])
+
+
+class DryFriction:
+    """Coulomb and static friction of winches, trolleys and, if they are to rub, frames."""
+
+    def __init__(self, rig: Rig, model: mujoco.MjModel, batch: Batch, frames: bool) -> None:
+        num, freedoms = batch.nsim, model.nv
+        self._at = at = _Places(rig, model)
+        self._tendons = at.ropes + at.sums
+        self._slides = at.slides + (at.frames if frames else [])
+        self._on_tendon = batch.expand("tendon_frictionloss")
+        self._on_joint = batch.expand("dof_frictionloss")
+        self._rates, self._speeds = batch.bind("ten_velocity"), batch.bind("qvel")
+        self._coulomb = (np.zeros_like(self._on_tendon), np.zeros_like(self._on_joint))
+        self._surplus, self._falling = np.zeros((num, 1)), np.ones((num, 1))
+        self._force = batch.bind("qfrc_constraint")
+        self._sparse = batch.bind("ten_J")
+        self._places = [
+            (row, slice(start, start + count), model.ten_J_colind[start : start + count])
+            for row, (start, count) in enumerate(
+                zip(
+                    model.ten_J_rowadr[self._tendons].tolist(),
+                    model.ten_J_rownnz[self._tendons].tolist(),
+                    strict=True,
+                )
+            )
+        ]
+        self._directions = np.zeros((num, len(self._tendons) + len(self._slides), freedoms))
+        for row, slide in enumerate(self._slides):
+            self._directions[:, len(self._tendons) + row, slide] = 1.0
+
+    @property
+    def falling(self) -> bool:
+        """Whether some of it changes with speed, so that `follow` must be called."""
+        return bool(self._surplus.any())
+
+    def set(self, sim: int, scenario: Scenario) -> None:
+        """Friction of one simulation."""
+        on_tendon, on_joint = self._coulomb
+        on_tendon[sim, self._at.winches] = scenario.winch_friction
+        on_tendon[sim, self._at.sums] = scenario.trolley_friction
+        on_joint[sim, self._at.slides] = scenario.trolley_friction
+        on_joint[sim, self._at.frames] = scenario.frame_friction
+        self._on_tendon[sim], self._on_joint[sim] = on_tendon[sim], on_joint[sim]
+        self._surplus[sim] = scenario.static_friction - 1.0
+        self._falling[sim] = scenario.stribeck_velocity
+
+    def follow(self) -> None:
+        """Bounds at the present speeds: static friction near rest, Coulomb's beyond."""
+        speeds = (self._rates, self._speeds)
+        for bound, coulomb, speed in zip(
+            (self._on_tendon, self._on_joint), self._coulomb, speeds, strict=True
+        ):
+            surplus = self._surplus * np.exp(-((speed / self._falling) ** 2))
+            np.multiply(coulomb, 1.0 + surplus, bound)
+
+    def read(self) -> Array:
+        """Force of friction along each rope, (n, ropes) [N]; negative while it is paid out.
+
+        Where a rope and a trolley rub on the same joint they share its friction, see the module.
+        """
+        directions = self._directions
+        for row, part, columns in self._places:
+            directions[:, row, columns] = self._sparse[:, part]
+        bearable = np.concatenate(
+            (self._on_tendon[:, self._tendons], self._on_joint[:, self._slides]), axis=-1
+        )
+        pairs = (directions[:, :, None, :] * directions[:, None, :, :]).sum(-1)
+        diagonal = np.arange(pairs.shape[-1])
+        pairs[:, diagonal, diagonal] += FAINT / (bearable + FAINT)
+        along = (directions * self._force[:, None, :]).sum(-1)
+        ropes = len(self._at.ropes)
+        return np.asarray(np.linalg.solve(pairs, along[..., None])[:, :ropes, 0])
+
+
+class ViscousFriction:
+    """Friction in proportion to speed; made where some scenario has any."""
+
+    def __init__(self, rig: Rig, model: mujoco.MjModel, batch: Batch) -> None:
+        self._at = _Places(rig, model)
+        self._on_tendon = batch.expand("tendon_damping")
+        self._on_joint = batch.expand("dof_damping")
+        self._rates = batch.bind("ten_velocity")
+
+    def set(self, sim: int, scenario: Scenario) -> None:
+        """Friction of one simulation."""
+        self._on_tendon[sim, self._at.winches] = scenario.winch_viscous
+        self._on_tendon[sim, self._at.sums] = scenario.trolley_viscous
+        self._on_joint[sim, self._at.slides] = scenario.trolley_viscous
+        self._on_joint[sim, self._at.frames] = scenario.frame_viscous
+
+    def read(self) -> Array:
+        """Force along each rope, (n, ropes) [N]; negative while it is paid out."""
+        ropes = self._at.ropes
+        return np.asarray(-self._on_tendon[:, ropes] * self._rates[:, ropes])

@@ -1,0 +1,122 @@
+"""A rig's outputs as they really are: what a reference prescribes, read off n simulations.
+
+An output is a coordinate of a load or platform, of a frame, trolley or rope, or a weighted sum of
+such.  Loads and platforms are read from their sites in the world; the rest from joints and ropes.
+"""
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from ...models.rig.chain import links
+from ...models.rig.parts import Combination, Load, Platform, Trolley
+from ...models.rig.rig import Rig
+from .geometry import Scales, evenly
+
+Array = NDArray[np.float64]
+Term = tuple[str, int, float]
+"""Where a coordinate, or a part of it, is read: source, column, factor."""
+
+
+class Outputs:
+    """Live outputs of n simulations.
+
+    Attributes
+    ----------
+    values, rates
+        (n, outputs) [m, rad]; the rates have no columns if they were not asked for.
+    """
+
+    def __init__(self, rig: Rig, model: mujoco.MjModel, batch: Batch, rates: bool) -> None:
+        num = batch.nsim
+        free = [*(part.name for part in rig.loads), *(part.name for part in rig.platforms)]
+        sites = [model.site(index).name for index in range(model.nsite)]
+        self._terms = [_terms(rig, model, name, sites) for name in rig.outputs]
+        self.values = np.zeros((num, len(self._terms)))
+        self.rates = np.zeros((num, len(self._terms) if rates else 0))
+        self._sources = {
+            "site": batch.bind("site_xpos").reshape(num, -1),
+            "joint": batch.bind("qpos"),
+            "rope": batch.bind("ten_length"),
+        }
+        self._speeds = {
+            "site": batch.bind("sensordata"),
+            "joint": batch.bind("qvel"),
+            "rope": batch.bind("ten_velocity"),
+        }
+        self._sensors = {
+            3 * sites.index(name) + axis: 3 * row + axis
+            for row, name in enumerate(free)
+            for axis in range(3)
+        }
+        columns = [terms[0][1] for terms in self._terms]
+        # One lookup does where every output is a place.
+        self._only_sites = all(terms[0][0] == "site" and len(terms) == 1 for terms in self._terms)
+        if self._only_sites:
+            self._places = evenly(columns) or columns
+            columns = [self._sensors[column] for column in columns]
+            self._speed_places = evenly(columns) or columns
+
+    def read(self) -> None:
+        """Bring `values` and `rates` up to date."""
+        if self._only_sites:
+            self.values[...] = self._sources["site"][:, self._places]
+            if self.rates.size:
+                self.rates[...] = self._speeds["site"][:, self._speed_places]
+            return
+        for output, terms in enumerate(self._terms):
+            self.values[:, output] = sum(
+                factor * self._sources[source][:, column] for source, column, factor in terms
+            )
+            if self.rates.size:
+                self.rates[:, output] = sum(
+                    factor * self._speeds[source][:, self._speed_column(source, column)]
+                    for source, column, factor in terms
+                )
+
+    def _speed_column(self, source: str, column: int) -> int:
+        return self._sensors[column] if source == "site" else column
+
+
+def levers(rig: Rig, scales: Scales) -> Array:
+    """What a unit of each output counts for in metres, (outputs,).
+
+    1 for a length; for an angle of a platform how far its farthest corner is from its centre, for
+    the angle of a frame the typical length.
+    """
+    frames = [frame.coordinate for frame in rig.frames if frame.kind == "turning"]
+    found = dict.fromkeys(rig.outputs, 1.0) | dict.fromkeys(frames, scales.length)
+    for platform in rig.platforms:
+        corners = [anchor.position for anchor in rig.anchors if anchor.frame == platform.name]
+        farthest = max(float(np.linalg.norm(corner)) for corner in corners)
+        found |= dict.fromkeys(platform.angles, farthest)
+    return np.array([found[output] for output in rig.outputs])
+
+
+def _terms(rig: Rig, model: mujoco.MjModel, name: str, sites: list[str]) -> list[Term]:
+    """Where an output is read."""
+    for combination in rig.combinations:
+        if combination.name == name:
+            return _sum_of(rig, model, combination, sites)
+    for rope in rig.ropes:
+        if rope.coordinate == name:
+            return [("rope", model.tendon(rope.name).id, 1.0)]
+    owner, _, axis = name.rpartition(".")
+    for link in links(rig):
+        if isinstance(link.part, Trolley) and link.part.coordinate == name:
+            terms = link.sums or ((name, 1.0),)
+            return [("joint", model.joint(joint).id, factor) for joint, factor in terms]
+        if isinstance(link.part, Load | Platform) and link.name == owner and axis in "xyz":
+            return [("site", 3 * sites.index(owner) + "xyz".index(axis), 1.0)]
+    return [("joint", model.joint(name).id, 1.0)]
+
+
+def _sum_of(
+    rig: Rig, model: mujoco.MjModel, combination: Combination, sites: list[str]
+) -> list[Term]:
+    return [
+        (source, column, factor * share)
+        for part, factor in zip(combination.of, combination.factors, strict=True)
+        for source, column, share in _terms(rig, model, part, sites)
+    ]

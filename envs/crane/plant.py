@@ -1,0 +1,277 @@
+"""The simulations behind the environments: `mujoco.batch` with the rig's own names for things.
+
+A `Plant` holds n simulations of one rig.  Each has its own load mass, friction and wind; inputs
+are held over a control period of several substeps, and everything that is read afterwards belongs
+to the new state under the inputs still held.
+"""
+
+import os
+from collections.abc import Mapping, Sequence
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from ...models.mjcf import rig_model as mjcf
+from ...models.mjcf.rig_state import State, coordinates, joint_state, points
+from ...models.rig.rig import Load, Platform, Rig
+from .disturbances import Scenario
+from .friction_forces import DryFriction, ViscousFriction
+from .geometry import angle_joints, geometry_of, hangers, turned
+from .outputs import Outputs
+from .payloads import payloads
+from .tensions import RopeForces
+from .wind import Wind, heading
+
+Array = NDArray[np.float64]
+Ids = NDArray[np.int32]
+
+ACCELERATIONS = int(mujoco.mjtStage.mjSTAGE_ACC)
+NOTHING = int(mujoco.mjtStage.mjSTAGE_NONE)
+
+LOG = "MUJOCO_LOG.TXT"
+"""Where MuJoCo writes warnings by default, in the folder that a program is started from."""
+
+SLACK = "slack"
+"""Why an episode ends when a rope would have to push."""
+
+NOT_FINITE = "not finite"
+"""Why an episode ends when the simulation has left the numbers."""
+
+
+class Plant:
+    """n simulations of a rig.
+
+    Attributes are live arrays: read them, copy them, do not keep them.
+
+    Attributes
+    ----------
+    ctrl
+        Inputs, (n, drives) [N, N m]; write them, then `step`.
+    drive_positions, drive_rates
+        What ideal encoders read, (n, drives).
+    outputs, output_rates
+        The rig's outputs as they really are, (n, outputs), and if made with `rates` theirs.
+    margins
+        Tensions, then clearances; an episode ends when one is not > 0.
+    tensions
+        Of the ropes, the first columns of `margins`, (n, ropes) [N].
+    reasons
+        For each column of `margins`, why.
+    """
+
+    def __init__(
+        self,
+        rig: Rig,
+        num: int,
+        *,
+        timestep: float,
+        substeps: int,
+        friction: bool = False,
+        frame_friction: bool = False,
+        rates: bool = False,
+        massless: float | None = None,
+        nthread: int | None = None,
+    ) -> None:
+        self.rig = rig
+        self.num = num
+        self.substeps = substeps
+        self.model = _model(rig, timestep, friction, rates, massless)
+        threads = min(num, os.cpu_count() or 1) if nthread is None else int(nthread)
+        self.batch = Batch(self.model, num, threads, persistent=True)
+        self.home = np.array(self.model.key_qpos[0])
+        self.home_inputs = np.array(self.model.key_ctrl[0])
+        self.geometry = geometry_of(rig, self.model, self.home)
+        self._bind(rates)
+        self._allocate()
+        self._forces = RopeForces(
+            rig, self.model, self.batch, self.geometry, self._spans, self.tensions
+        )
+        self._friction = None
+        if friction:
+            self._friction = DryFriction(rig, self.model, self.batch, frame_friction)
+        self._viscous: ViscousFriction | None = None
+        self._wind = Wind(rig, self.model, self.batch)
+        self._masses: Array | None = None
+        self._inertias: Array | None = None
+        self.qpos[...] = self.home  # a first reset may be of some simulations only
+        self.batch.forward()
+
+    def reset(self, ids: Ids, qpos: Array, ctrl: Array, scenarios: Sequence[Scenario]) -> None:
+        """Put simulations at rest at joints (len(ids), nq) under inputs (len(ids), drives)."""
+        self.batch.reset(ids, stage=NOTHING)
+        for sim, scenario, joints in zip(ids.tolist(), scenarios, qpos, strict=True):
+            self.qpos[sim] = self._swung(joints, scenario) if scenario.swing else joints
+            self._disturb(sim, scenario)
+        self.ctrl[ids] = ctrl
+        if self._masses is not None:
+            self.batch.set_const(ids)
+        self._wind.blow()
+        self.batch.forward(ids)
+        self._read()
+
+    def step(self, ids: Ids | None = None) -> None:
+        """Hold `ctrl` over one control period, in all simulations or some."""
+        if self._wind.blowing:
+            self._wind.blow()
+        if self._friction is None or not self._friction.falling:
+            self.batch.step(ids, self.substeps, ACCELERATIONS)
+        else:
+            for left in range(self.substeps, 0, -1):
+                self._friction.follow()
+                self.batch.step(ids, 1, NOTHING if left > 1 else ACCELERATIONS)
+        self._read()
+
+    @property
+    def sound(self) -> bool:
+        """Whether every simulation can go on."""
+        worst = self.margins.argmin()  # the first that is not a number, if there is one
+        return bool(self.margins.item(worst) > 0)
+
+    def at_rest(self, values: Mapping[str, float]) -> Array:
+        """Joints (nq,) where the rig's coordinates have these values [m, rad]."""
+        return np.asarray(joint_state(self.rig, self.model, values).qpos)
+
+    def drives_at(self, joints: Array) -> Array:
+        """Drive positions (drives,) at joints (nq,)."""
+        state = State(joints[None], np.zeros_like(joints[None]))
+        values, _ = coordinates(self.rig, self.model, state)
+        parts = map(self.rig.driven, self.rig.drives)
+        return np.array([values[part.coordinate][0] for part in parts])
+
+    def why(self, sim: int) -> str:
+        """Reason for which a simulation cannot go on, "" if it can."""
+        if not np.isfinite(self.margins[sim]).all():
+            return NOT_FINITE
+        beyond = np.flatnonzero(self.margins[sim] <= 0)
+        return self.reasons[beyond[0]] if beyond.size else ""
+
+    def _bind(self, rates: bool) -> None:
+        """Live views of what is read and written at every step."""
+        batch, model, rig, num = self.batch, self.model, self.rig, self.num
+        self.qpos, self.qvel = batch.bind("qpos"), batch.bind("qvel")
+        self.ctrl = batch.bind("ctrl")
+        start = (self.qpos.ctypes.data - batch.state.ctypes.data) // batch.state.itemsize
+        both = batch.state[:, start : start + 2 * model.nq]  # qvel follows qpos
+        self._joint_state = both.reshape(num, 2, model.nq)
+        self._joint_accelerations = batch.bind("qacc")
+        self._lengths = batch.bind("actuator_length")
+        self._length_rates = batch.bind("actuator_velocity")
+        self._per_gear = np.tile(1.0 / model.actuator_gear[:, 0], (num, 1))
+        self._outputs = Outputs(rig, model, batch, rates)
+        self.outputs, self.output_rates = self._outputs.values, self._outputs.rates
+
+    def _allocate(self) -> None:
+        """Work arrays of the affine map, one small product of matrices for each simulation."""
+        num, geometry = self.num, self.geometry
+        ropes, clearances = len(self.rig.ropes), len(geometry.reasons)
+        joints, size = geometry.spans.shape[-1], self.model.nq
+        self.encoders = np.zeros((num, 2 * len(self.rig.drives)))
+        self.drive_positions, self.drive_rates = np.hsplit(self.encoders, 2)
+        self.reasons = (SLACK,) * ropes + geometry.reasons
+        rows = (np.zeros((ropes, joints)), geometry.clearances, geometry.spans.reshape(-1, joints))
+        self._weights = np.ascontiguousarray(np.vstack(rows).T)
+        self._joints = np.zeros((num, 3, joints))
+        self._joints[:, 0, -1] = 1.0
+        self._state, self._accelerations = self._joints[:, :2, :size], self._joints[:, 2, :size]
+        self._turning = [
+            (self._joints[:, :, own], self._joints[:, :, size + 9 * index : size + 9 * index + 9])
+            for index, own in enumerate(angle_joints(self.rig))
+        ]
+        self._mapped = np.zeros((num, 3, self._weights.shape[1]))
+        self.margins = self._mapped[:, 0, : ropes + clearances]
+        self.tensions = self.margins[:, :ropes]
+        self._spans = self._mapped[:, :, ropes + clearances :]
+
+    def _read(self) -> None:
+        """Bring every attribute up to date."""
+        np.multiply(self._lengths, self._per_gear, self.drive_positions)
+        np.multiply(self._length_rates, self._per_gear, self.drive_rates)
+        self._state[...] = self._joint_state
+        self._accelerations[...] = self._joint_accelerations
+        for angles, rotation in self._turning:
+            rotation[...] = turned(angles)
+        np.matmul(self._joints, self._weights, self._mapped)
+        self._forces.read(self._rubbing())
+        self._outputs.read()
+
+    def _rubbing(self) -> Array | None:
+        """Force of friction along each rope, (n, ropes), None where nothing can rub."""
+        dry = None if self._friction is None else self._friction.read()
+        if self._viscous is None:
+            return dry
+        return self._viscous.read() if dry is None else dry + self._viscous.read()
+
+    def _disturb(self, sim: int, scenario: Scenario) -> None:
+        """Give a simulation its masses, friction and wind."""
+        self._wind.set(sim, scenario)
+        loads = [self.model.body(load.name).id for load in payloads(self.rig)]
+        if self._masses is None and scenario.load_mass != 1.0:
+            self._masses = self.batch.expand("body_mass")
+            self._inertias = self.batch.expand("body_inertia") if self.rig.platforms else None
+        if self._masses is not None:
+            self._masses[sim, loads] = scenario.load_mass * self.model.body_mass[loads]
+        if self._inertias is not None:
+            self._inertias[sim, loads] = scenario.load_mass * self.model.body_inertia[loads]
+        if self._friction is not None:
+            self._friction.set(sim, scenario)
+        if self._viscous is None and scenario.viscous:
+            self._viscous = ViscousFriction(self.rig, self.model, self.batch)
+        if self._viscous is not None:
+            self._viscous.set(sim, scenario)
+
+    def _swung(self, joints: Array, scenario: Scenario) -> Array:
+        """Joints with each hanging load swung about what it hangs from, its rope as long.
+
+        A platform stays upright: it moves as its first corner would about what that hangs from.
+        """
+        state = State(joints[None], np.zeros_like(joints[None]))
+        values, _ = coordinates(self.rig, self.model, state)
+        place = {name: motion[0, 0] for name, motion in points(self.rig, *state).items()}
+        corners = {anchor.name: anchor.frame for anchor in self.rig.anchors}
+        moved: set[str] = set()
+        for end, above in hangers(self.rig).items():
+            length = float(np.linalg.norm(place[end] - place[above]))
+            aside = np.sin(scenario.swing) * heading(self.rig, scenario.swing_direction)
+            down = np.array([0.0, 0.0, -np.cos(scenario.swing)])
+            swung = place[above] + length * (aside + down)
+            name = corners.get(end, end)
+            if name in moved:
+                continue
+            moved.add(name)
+            if name != end:
+                swung = place[name] + swung - place[end]
+            for axis in self.rig.axes:
+                values[f"{name}.{axis}"] = swung["xyz".index(axis), None]
+        return np.asarray(joint_state(self.rig, self.model, values).qpos[0])
+
+
+def leave_no_log() -> None:
+    """Send MuJoCo's warnings to the console only, and leave no file in the user's folder."""
+    log = mujoco.MjLogConfig.get()
+    if log.logfile == LOG:
+        log.logto_file = False
+        log.set()
+
+
+def _model(
+    rig: Rig, timestep: float, friction: bool, rates: bool, massless: float | None
+) -> mujoco.MjModel:
+    """The rig's bare physics, with the loads' velocities as sensors if asked for."""
+    leave_no_log()
+    scene = mjcf.spec(rig, timestep=timestep, visuals=False, friction=friction, massless=massless)
+    # A state that is not finite must show, not be replaced by the initial one without a word.
+    scene.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    if rates:
+        free: tuple[Load | Platform, ...] = (*rig.loads, *rig.platforms)
+        for name in [part.name for part in free]:
+            scene.add_sensor(
+                name=f"{name}.velocity",
+                type=mujoco.mjtSensor.mjSENS_FRAMELINVEL,
+                objtype=mujoco.mjtObj.mjOBJ_SITE,
+                objname=name,
+            )
+    model = scene.compile()
+    mjcf.check(model)
+    return model

@@ -1,0 +1,198 @@
+"""What the options `rig` and `reference` may be, and references drawn at random."""
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from os import PathLike, fspath, sep
+
+import numpy as np
+
+from ... import feedforward, models
+from ...feedforward.paths.reference import Reference
+from ...models.errors import FlatrigError, OptionError
+from ...models.rig.move import Move
+from ...models.rig.rig import Rig
+from .payloads import payloads
+from .plan import Plan, layout_of, make_plan
+
+Sampler = Callable[[np.random.Generator], Reference | Move]
+ReferenceOption = Reference | Move | Sampler | str | None
+
+SHORTEST = 0.4
+"""A drawn move covers at least this share of the default move's distance."""
+
+HASTE = (1.0, 1.6)
+"""Durations of drawn moves over those that would be as fast as the default move."""
+
+ASIDE = 0.2
+"""How far from the line between the default move's ends points are drawn where a free pulley keeps
+the load to a narrow space, as a share of the box."""
+
+TRIES = 50
+
+HEADROOM = 0.9
+"""Share of the drives' limits that a drawn move may use: controllers need the rest."""
+
+
+def as_reference(value: Reference | Move) -> Reference:
+    """A move made into a path; a path as it is.
+
+    Raises
+    ------
+    OptionError
+        It is neither.
+    """
+    if isinstance(value, Move):
+        return feedforward.from_move(value)
+    if not hasattr(value, "derivatives"):
+        raise OptionError(f"reference is {value!r}, it must be a Reference or a Move")
+    return value
+
+
+def default_move(rig: Rig) -> Move:
+    """The move of the catalogue for a rig of that name.
+
+    Raises
+    ------
+    OptionError
+        The rig is not from the catalogue.
+    """
+    if rig.name not in models.CATALOGUE:
+        raise OptionError(
+            f"rig {rig.name} is not in the catalogue and has no move of its own; give `reference`"
+        )
+    return models.default_move(rig)
+
+
+@dataclass(frozen=True)
+class RandomMoves:
+    """Moves between random points of the box that the rig's default move spans, or near its line.
+
+    Each is as smooth as the default move, takes as long as its distance asks, and can be
+    followed: ropes stay taut, trolleys on their rails, inputs within `HEADROOM` of the limits.
+    """
+
+    rig: Rig
+    move: Move
+
+    def __call__(self, generator: np.random.Generator) -> Reference:
+        """Draw one.
+
+        Raises
+        ------
+        OptionError
+            None of `TRIES` draws can be followed.
+        """
+        for _ in range(TRIES):
+            reference = as_reference(self._draw(generator))
+            if self._feasible(reference):
+                return reference
+        raise OptionError(
+            f"rig {self.rig.name} could follow none of {TRIES} random moves between "
+            f"{self.move.start} and {self.move.goal}; give `reference`"
+        )
+
+    def _draw(self, generator: np.random.Generator) -> Move:
+        corners = np.array((self.move.start, self.move.goal))
+        whole = float(np.linalg.norm(corners[1] - corners[0]))
+        narrow = len(payloads(self.rig)) < len(self.rig.loads) + len(self.rig.platforms)
+        while True:
+            shares = generator.random((2, corners.shape[1]))
+            if narrow:
+                along = shares.mean(axis=1, keepdims=True)
+                shares = along + ASIDE * (shares - along)
+            ends = corners[0] + shares * (corners[1] - corners[0])
+            share = float(np.linalg.norm(ends[1] - ends[0])) / whole
+            if share >= SHORTEST:
+                break
+        haste = generator.uniform(*HASTE)
+        return replace(
+            self.move,
+            start=tuple(ends[0].tolist()),
+            goal=tuple(ends[1].tolist()),
+            duration=self.move.duration * haste * share**0.5,
+            blend=self.move.blend * haste * share**0.5,
+        )
+
+    def _feasible(self, reference: Reference) -> bool:
+        try:
+            plan = make_plan(self.rig, reference, reference.duration / 64, 0.0)
+        except FlatrigError:
+            return False
+        inputs = plan.rows[:, layout_of(self.rig).columns["feedforward"]]
+        return bool(np.abs(inputs).max() <= HEADROOM)
+
+
+@dataclass
+class Planner:
+    """Makes the plan of each episode; one for all where the reference is fixed."""
+
+    rig: Rig
+    option: ReferenceOption
+    period: float
+    hold: float
+    move: Move | None = None
+    """The rig's own, in place of the catalogue's."""
+
+    def __post_init__(self) -> None:
+        option = self.option
+        self._sampler: Sampler | None = None
+        self._fixed: Plan | None = None
+        if option is None:
+            option = self.move or default_move(self.rig)
+        if isinstance(option, str) and option == "random":
+            self._sampler = RandomMoves(self.rig, self.move or default_move(self.rig))
+        elif isinstance(option, Move) or hasattr(option, "derivatives"):
+            self._fixed = self.plan(option)  # type: ignore[arg-type]
+        elif callable(option):
+            self._sampler = option
+        else:
+            raise OptionError(
+                f"reference is {option!r}, it must be a Reference, a Move, "
+                'a function of a random generator, "random" or None'
+            )
+
+    @property
+    def fixed(self) -> Plan | None:
+        """The plan of all episodes, if it is the same for all."""
+        return self._fixed
+
+    def plan(self, reference: Reference | Move) -> Plan:
+        """The plan for a given reference."""
+        return make_plan(self.rig, as_reference(reference), self.period, self.hold)
+
+    def draw(self, generator: np.random.Generator) -> Plan:
+        """The plan of one episode."""
+        if self._fixed is not None:
+            return self._fixed
+        assert self._sampler is not None
+        if isinstance(self._sampler, RandomMoves):
+            for _ in range(TRIES):
+                with suppress(FlatrigError):  # a move that its coarse samples promised too much of
+                    return self.plan(self._sampler(generator))
+        return self.plan(self._sampler(generator))
+
+
+def rig_and_move(rig: object) -> tuple[Rig, Move | None]:
+    """A rig, and its move where a file gives one.
+
+    Raises
+    ------
+    OptionError
+        It is none of what a rig can be.
+    """
+    if isinstance(rig, Rig):
+        return rig, None
+    if rig is None:
+        raise OptionError(
+            "an environment needs a rig; give `rig`, a Rig, a name of the catalogue or a TOML file"
+        )
+    if isinstance(rig, PathLike) or (
+        isinstance(rig, str) and (rig.endswith(".toml") or sep in rig)
+    ):
+        return models.load(fspath(rig))
+    if isinstance(rig, str):
+        return models.make(rig), None
+    raise OptionError(
+        f"rig is {rig!r}, it must be a Rig, a name of the catalogue or the path of a TOML file"
+    )

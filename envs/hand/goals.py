@@ -1,0 +1,120 @@
+"""Moves of hands for episodes: the default one, a given one, or goals drawn near the default."""
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ...feedforward.rolling.carried import carried_by
+from ...models.errors import FlatrigError, OptionError
+from ...models.hand.catalogue import HAND_CATALOGUE, default_hand_move, make_hand
+from ...models.hand.hand import Hand
+from ...models.hand.move import HandMove
+from .plan import HandRows, make_hand_plan
+
+Sampler = Callable[[np.random.Generator], HandMove]
+HandReference = HandMove | Sampler | str | None
+
+DURATION = 2.0
+"""Of the default moves in environments [s]."""
+AROUND = 0.15
+"""By how much drawn goals turn more or less than the default move, each angle at most [rad]."""
+ASIDE = 0.2
+"""By how much they lie aside, along each axis at most, over the object's radius."""
+TRIES = 50
+
+
+@dataclass(frozen=True)
+class RandomGoals:
+    """Moves like `move` whose goals lie within `AROUND` and `ASIDE` of its goal.
+
+    Objects go aside only in directions in which rolling alone does not decide where they are.
+    """
+
+    hand: Hand
+    move: HandMove
+
+    def __call__(self, generator: np.random.Generator) -> HandMove:
+        """Draw one; whether the hand can make it is not known yet."""
+        shares = generator.uniform(-1.0, 1.0, len(self.move.goal) + 3)
+        turned = np.array(self.move.goal) + AROUND * shares[:-3]
+        free = carried_by(self.hand, self.move).free
+        aside = ASIDE * self.hand.held.radius * free @ shares[-3:]
+        shift = tuple((np.array(self.move.shift) + aside).tolist())
+        return replace(self.move, goal=tuple(turned.tolist()), shift=shift)
+
+
+@dataclass
+class HandPlanner:
+    """Makes the plan of each episode; one for all where the reference is fixed.
+
+    Raises:
+        OptionError: the reference is none.
+        PathError: the hand cannot make the move.
+    """
+
+    hand: Hand
+    option: HandReference
+    period: float
+    hold: float
+
+    def __post_init__(self) -> None:
+        option = self.option
+        self._sampler: Sampler | None = None
+        self.fixed: HandRows | None = None
+        if option is None:
+            option = default_move(self.hand)
+        if isinstance(option, str) and option == "random":
+            self._sampler = RandomGoals(self.hand, default_move(self.hand))
+        elif isinstance(option, HandMove):
+            self.fixed = self.plan(option)
+        elif callable(option):
+            self._sampler = option
+        else:
+            raise OptionError(
+                f"reference is {option!r}, it must be a HandMove, a function of a random "
+                'generator, "random" or None'
+            )
+
+    def plan(self, reference: object) -> HandRows:
+        """The plan for a given move."""
+        if not isinstance(reference, HandMove):
+            raise OptionError(f"reference is {reference!r}, it must be a HandMove")
+        return make_hand_plan(self.hand, reference, self.period, self.hold)
+
+    def draw(self, generator: np.random.Generator) -> HandRows:
+        """The plan of one episode; goals that the hand cannot reach are drawn anew."""
+        if self.fixed is not None:
+            return self.fixed
+        assert self._sampler is not None
+        for _ in range(TRIES):
+            with suppress(FlatrigError):
+                return self.plan(self._sampler(generator))
+        return self.plan(self._sampler(generator))
+
+
+def default_move(hand: Hand) -> HandMove:
+    """The catalogue's move for a hand of that name, in `DURATION`.
+
+    Raises:
+        OptionError: the hand is not from the catalogue.
+    """
+    if hand.name not in HAND_CATALOGUE:
+        raise OptionError(f"hand {hand.name} is not in the catalogue; give `reference`")
+    return replace(default_hand_move(hand), duration=DURATION)
+
+
+def as_hand(value: Any) -> Hand:
+    """The option `hand`.
+
+    Raises:
+        OptionError: it is neither a `Hand` nor a name.
+        RigError: the catalogue has no hand of that name.
+    """
+    if isinstance(value, Hand):
+        return value
+    if isinstance(value, str):
+        return make_hand(value)
+    raise OptionError(f"hand is {value!r}, it must be a Hand or a name of the catalogue")

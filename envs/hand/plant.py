@@ -1,0 +1,226 @@
+"""The simulations behind the environments of hands: `mujoco.batch` with a hand's names for things.
+
+Inputs are held over a control period of several substeps; what is read afterwards belongs to the
+new state.  Slides have encoders; a turning tip has a roller for each motor, which counts the angle
+that the tip turns about that motor's axis.  A finger touches the object while their surfaces
+overlap.
+"""
+
+import os
+from collections.abc import Sequence
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from ...models.hand.hand import Hand, Plate, Tip
+from ...models.hand.holding import holding_forces
+from ...models.mjcf.hand_model import OBJECT, RECOMMENDED, finger_home, hand_spec
+from ...models.mjcf.hand_state import HandIndex, joint_positions
+from ..crane.plant import NOT_FINITE, NOTHING, Ids, leave_no_log
+from .disturbances import HandScenario
+from .plan import Start, hand_layout
+
+Array = NDArray[np.float64]
+
+VELOCITIES = int(mujoco.mjtStage.mjSTAGE_VEL)
+
+LOST = 0.05
+"""Time without contact after which an episode ends [s]."""
+DROPPED = "dropped"
+"""Why it ends when no finger touches the object."""
+CONTACT_LOST = "contact lost"
+"""Why it ends when one finger does not, and others do."""
+
+
+class HandPlant:
+    """n simulations of a hand.
+
+    Attributes are live arrays: read them, copy them, do not keep them.
+
+    Attributes
+    ----------
+    ctrl
+        Inputs, (n, drives) [N, N m]; write them, then `step`.
+    encoders, drive_positions, drive_rates
+        What encoders read: positions, then rates, (n, 2 drives), and both by themselves.
+    outputs
+        The object's position and rotation, row by row, (n, 12).
+    twist
+        Its velocity and angular velocity in space, (n, 6) [m/s, rad/s].
+    normals
+        From the object's centre to each finger's contact, unit vectors, (n, fingers, 3).
+    gaps
+        Between the object and each finger, (n, fingers) [m].
+    apart
+        For how long each finger has not touched, (n, fingers) [s].
+    """
+
+    def __init__(
+        self, hand: Hand, num: int, *, timestep: float, substeps: int, nthread: int | None = None
+    ) -> None:
+        self.hand, self.num, self.substeps = hand, num, substeps
+        self.model = _model(hand, timestep)
+        self._period = timestep * substeps
+        threads = min(num, os.cpu_count() or 1) if nthread is None else int(nthread)
+        self.batch = batch = Batch(self.model, num, threads, persistent=True)
+        self.qpos, self.qvel = batch.bind("qpos"), batch.bind("qvel")
+        self._index = HandIndex.of(hand, self.model)
+        self.drives = drives = hand_layout(hand).drives
+        self.ctrl = batch.bind("ctrl")[:, :drives]
+        self._lengths = batch.bind("actuator_length")
+        self._speeds = batch.bind("actuator_velocity")
+        self._places, self._frames = batch.bind("xpos"), batch.bind("xmat")
+        self._object = self.model.body(OBJECT).id
+        self._fingers = [self.model.geom_bodyid[self.model.geom(f.name).id] for f in hand.fingers]
+        self._slides = self._index.motors
+        self._turns = np.setdiff1d(np.arange(drives), self._slides)
+        self._friction: Array | None = None
+        self._masses: Array | None = None
+        self._inertias: Array | None = None
+        self._offset = np.zeros((num, drives))
+        self._true = np.zeros((num, 2 * drives))
+        self.encoders = np.zeros((num, 2 * drives))
+        self.drive_positions, self.drive_rates = np.hsplit(self.encoders, 2)
+        self.outputs, self.twist = np.zeros((num, 12)), np.zeros((num, 6))
+        self.normals = np.zeros((num, len(hand.fingers), 3))
+        self.gaps, self.apart = np.zeros((2, num, len(hand.fingers)))
+        self.home, self.home_inputs = self._at_home(), self.model.key_ctrl[0][:drives].copy()
+        self.qpos[...] = self.home  # a first reset may be of some simulations only
+        self.batch.forward(stage=VELOCITIES)
+        self._read()
+
+    def reset(self, ids: Ids, qpos: Array, ctrl: Array, scenarios: Sequence[HandScenario]) -> None:
+        """Put simulations at rest at joints (len(ids), nq) under inputs (len(ids), drives)."""
+        self.batch.reset(ids, stage=NOTHING)
+        for sim, scenario, joints in zip(ids.tolist(), scenarios, qpos, strict=True):
+            self.qpos[sim] = self._placed(joints, scenario)
+            self._disturb(sim, scenario)
+        self.ctrl[ids] = ctrl
+        if self._masses is not None:
+            self.batch.set_const(ids)
+        self._true[ids] = self.apart[ids] = 0.0
+        self.batch.forward(ids, VELOCITIES)
+        self._read()
+
+    def step(self, ids: Ids | None = None) -> None:
+        """Hold `ctrl` over one control period, in all simulations or some."""
+        which = slice(None) if ids is None else ids
+        before = self._speeds[which][:, self._turns].copy()
+        self.batch.step(ids, self.substeps, VELOCITIES)
+        turned = 0.5 * self._period * (before + self._speeds[which][:, self._turns])
+        rolled = self._true[which]
+        rolled[:, self._turns] += turned
+        self._true[which] = rolled
+        self._read()
+        with np.errstate(invalid="ignore"):
+            longer = np.where(self.gaps[which] < 0.0, 0.0, self.apart[which] + self._period)
+        self.apart[which] = longer
+
+    @property
+    def sound(self) -> bool:
+        """Whether every simulation can go on."""
+        finite = np.isfinite(self.encoders).all() and np.isfinite(self.outputs).all()
+        return bool(finite and self.apart.max() <= LOST)
+
+    def why(self, sim: int) -> str:
+        """Reason for which a simulation cannot go on, "" if it can."""
+        if not (np.isfinite(self.encoders[sim]).all() and np.isfinite(self.outputs[sim]).all()):
+            return NOT_FINITE
+        if self.apart[sim].max() <= LOST:
+            return ""
+        return DROPPED if self.gaps[sim].min() >= 0.0 else CONTACT_LOST
+
+    def at_rest(self, start: Start) -> Array:
+        """Joints (nq,) of the pose in which a plan begins."""
+        return joint_positions(
+            self.hand, self.model, start.position, start.rotation, start.fingers,
+            start.normal_forces,
+        )  # fmt: skip
+
+    def _at_home(self) -> Array:
+        """Joints (nq,) at home, contacts as deep as they are at rest there."""
+        hand = self.hand
+        places = np.array([finger_home(hand, finger) for finger in hand.fingers])
+        contacts = np.array([finger.contact for finger in hand.fingers])
+        normal = -np.einsum("ij,ij->i", holding_forces(hand), contacts)
+        start = Start(np.array(hand.position), np.eye(3), places, normal)
+        return self.at_rest(start)
+
+    def _placed(self, joints: Array, scenario: HandScenario) -> Array:
+        """Joints with the object misplaced, and fingers closed on it there."""
+        result, shift, turn = joints.copy(), np.array(scenario.shift), np.array(scenario.turn)
+        if self.hand.planar:
+            result[:3] += (shift[0], shift[2], -turn[1])
+            shift[1] = 0.0
+        else:
+            result[:3] += shift
+            angle, by = float(np.linalg.norm(turn)), np.zeros(4)
+            axis = turn / angle if angle > 0 else np.array([1.0, 0.0, 0.0])
+            mujoco.mju_axisAngle2Quat(by, axis, angle)
+            mujoco.mju_mulQuat(result[3:7], by, joints[3:7])
+        follow = []
+        for finger in self.hand.fingers:
+            along = np.array(finger.contact)
+            way = along * (along @ shift) if isinstance(finger.surface, Plate) else shift
+            follow.append(np.array(finger.slides) @ way)
+        result[self._index.slides] += np.concatenate(follow)
+        return result
+
+    def _disturb(self, sim: int, scenario: HandScenario) -> None:
+        """Give a simulation its mass, friction and encoders' errors."""
+        signs = 1.0 - 2.0 * (np.arange(len(self._slides)) % 2)
+        self._offset[sim, self._slides] = scenario.offset * signs
+        if self._friction is None and scenario.friction != 1.0:
+            self._friction = self.batch.expand("geom_friction")
+        if self._friction is not None:
+            self._friction[sim] = self.model.geom_friction
+            self._friction[sim, :, 0] *= scenario.friction
+        if self._masses is None and scenario.mass != 1.0:
+            self._masses = self.batch.expand("body_mass")
+            self._inertias = self.batch.expand("body_inertia")
+        if self._masses is not None and self._inertias is not None:
+            body, model = self._object, self.model
+            self._masses[sim, body] = scenario.mass * model.body_mass[body]
+            self._inertias[sim, body] = scenario.mass * model.body_inertia[body]
+
+    def _read(self) -> None:
+        """Bring every attribute but `apart` up to date."""
+        drives, hand = self.drives, self.hand
+        self._true[:, self._slides] = self._lengths[:, self._slides]
+        self._true[:, drives:] = self._speeds[:, :drives]
+        self.encoders[...] = self._true
+        self.drive_positions += self._offset
+        centre, frame = self._places[:, self._object], self._frames[:, self._object]
+        self.outputs[:, :3], self.outputs[:, 3:] = centre, frame.reshape(self.num, 9)
+        if hand.planar:
+            self.twist[:, [0, 2]] = self.qvel[:, :2]
+            self.twist[:, 4] = -self.qvel[:, 2]
+        else:
+            self.twist[:, :3] = self.qvel[:, :3]
+            rotation = frame.reshape(self.num, 3, 3)
+            self.twist[:, 3:] = (rotation @ self.qvel[:, 3:6, None])[..., 0]
+        for i, (finger, body) in enumerate(zip(hand.fingers, self._fingers, strict=True)):
+            away = self._places[:, body] - centre
+            if isinstance(finger.surface, Tip):
+                distance = np.maximum(np.linalg.norm(away, axis=1), 1e-12)
+                self.normals[:, i] = away / distance[:, None]
+                self.gaps[:, i] = distance - hand.held.radius - finger.surface.radius
+                continue
+            normal = np.array(finger.contact)
+            self.normals[:, i] = normal
+            height = away @ normal
+            aside = np.linalg.norm(away - height[:, None] * normal, axis=1)
+            inside = aside <= finger.surface.radius
+            self.gaps[:, i] = np.where(inside, height, aside) - hand.held.radius
+
+
+def _model(hand: Hand, timestep: float) -> mujoco.MjModel:
+    """The hand's bare physics."""
+    leave_no_log()
+    scene = hand_spec(hand, replace(RECOMMENDED, timestep=timestep), visuals=False)
+    # A state that is not finite must show, not be replaced by the initial one without a word.
+    scene.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    return scene.compile()

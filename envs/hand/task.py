@@ -1,0 +1,162 @@
+"""The task behind the environments of hands: bring the object to its pose along a planned motion.
+
+    task = HandTask("two_finger_hand", num=64, disturbances="standard", sensors="full")
+    task.reset(task.all, [np.random.default_rng(seed) for seed in range(64)])
+    outcome = task.step(actions)                # (64, motors) in [-1, 1], shares of their limits
+    task.info()["distance"], task.info()["turned"]
+
+An episode lasts until `hold` seconds after the planned arrival.  It ends early, with the reason,
+when no finger has touched the object for 50 ms ("dropped"), or one has not ("contact lost"), or
+the simulation has left the numbers ("not finite").  The reward is that of `flatrig.envs.rewards`:
+the distance is halved at 5 % of the object's radius, a turn counts times the radius.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.hand.hand import Hand, Tip
+from ...models.mjcf.hand_model import RECOMMENDED
+from ..crane.geometry import Scales
+from ..crane.tuning import Gains, Track
+from ..episodes import Task
+from ..option_checks import check_simple, substeps_of
+from ..rewards import NEAR, Reward
+from ..signals import Encoders, Rows
+from .disturbances import HandDisturbances, HandScenario, as_hand_disturbances
+from .goals import HandPlanner, HandReference, as_hand
+from .observation import HandObservation, drive_names, pose_error
+from .plan import hand_layout
+from .plant import HandPlant
+
+Array = NDArray[np.float64]
+
+NEAR_SHARE = 0.05
+"""Distance that halves the reward, over the object's radius."""
+SERVO = 0.2
+"""Frequency of the critically damped PD controller times the control period."""
+
+
+class HandTask(Task):
+    """n simulations of a hand whose object is to follow a plan.
+
+    Parameters
+    ----------
+    hand
+        The description, or the name of a hand of the catalogue.
+    reference
+        A `HandMove` for all episodes; a function that draws one from a random generator; "random"
+        for goals near the catalogue's; None for the catalogue's move, in 2 s.
+    num
+        Number of simulations n.
+    sensors
+        "encoders": positions and rates of slides and turns.  "full": the object's pose as well.
+    rate
+        Control periods per second [Hz].  PD is as stiff as they allow: at 100 Hz three
+        fingers let a disturbed ball go a quarter of a millimetre astray, at 50 Hz they drop it.
+    timestep
+        Of the simulation [s]; a control period must be a whole number of them.
+    disturbances
+        `HandDisturbances`, "standard", a dictionary of ranges, or None for a plant like the hand.
+    hold
+        How long an episode lasts after arrival [s].
+    nthread
+        Threads of the simulation; results do not depend on it.
+
+    Raises
+    ------
+    OptionError
+        An option has a value it cannot have.
+    PathError
+        The hand cannot make the move.
+    """
+
+    undisturbed = HandScenario()
+
+    def __init__(
+        self,
+        hand: Hand | str,
+        reference: HandReference = None,
+        *,
+        num: int = 1,
+        sensors: str = "encoders",
+        rate: float = 500.0,
+        timestep: float = RECOMMENDED.timestep,
+        disturbances: HandDisturbances | dict[str, Any] | str | None = None,
+        hold: float = 1.0,
+        nthread: int | None = None,
+    ) -> None:
+        self.hand = hand = as_hand(hand)
+        check_simple(num, sensors, hold, nthread)
+        self.num = num = int(num)
+        self.sensors = sensors
+        self.all = np.arange(num, dtype=np.int32)
+        substeps = substeps_of(rate, timestep)
+        self.period = substeps * timestep
+        self.disturbances = as_hand_disturbances(disturbances, hand)
+        self.limits, self.inertias = _motors(hand)
+        self.planner = HandPlanner(hand, reference, self.period, hold)
+        self.plant: HandPlant = HandPlant(
+            hand, num, timestep=timestep, substeps=substeps, nthread=nthread
+        )
+        self.rows = Rows(hand_layout(hand), num, self.planner.fixed)
+        self.encoders = Encoders(self.plant, self.period)
+        self._observation = HandObservation(self.plant, self.encoders, self.rows, sensors == "full")
+        weight = hand.held.mass * float(np.linalg.norm(hand.gravity))
+        scales = Scales(hand.held.radius * NEAR_SHARE / NEAR, 1.0, weight)
+        # Half the squared difference of two rotation matrices is the squared angle, if small.
+        levers = np.repeat((1.0, hand.held.radius / np.sqrt(2.0)), (3, 9))
+        self._reward = Reward(num, levers, len(self.limits), scales)
+        self._start()
+
+    @property
+    def action_names(self) -> tuple[str, ...]:
+        """Names of the entries of an action: the hand's motors."""
+        return drive_names(self.hand)
+
+    def gains(self, track: Track = "moving") -> Gains:
+        """Of a critically damped PD controller for what each motor moves by itself."""
+        frequency = SERVO / self.period
+        return Gains(frequency**2 * self.inertias, 2.0 * frequency * self.inertias)
+
+    def pose_errors(self) -> Array:
+        """What the objects' poses are off the plan, (n, 6): in place [m], turned in space [rad]."""
+        return pose_error(self.plant.outputs, self.rows.parts["outputs"])
+
+    def info(self) -> dict[str, Any]:
+        """The truth, for evaluation: arrays (n, ...) that are the caller's own."""
+        off, plant, planned = self.pose_errors(), self.plant, self.rows.parts["outputs"]
+        shape = (self.num, 3, 3)
+        return {
+            "object": plant.outputs[:, :3].copy(),
+            "rotation": plant.outputs[:, 3:].reshape(shape).copy(),
+            "reference": planned[:, :3].copy(),
+            "reference_rotation": planned[:, 3:].reshape(shape).copy(),
+            "distance": np.linalg.norm(off[:, :3], axis=1),
+            "turned": np.linalg.norm(off[:, 3:], axis=1),
+            "touching": plant.gaps < 0.0,
+            "input": plant.ctrl.copy(),
+            "reward_terms": self._terms(),
+        }
+
+    def info_of(self, sim: int) -> dict[str, Any]:
+        """The same of one simulation, numbers as plain numbers."""
+        info = {name: value for name, value in self.info().items() if name != "reward_terms"}
+        found = {name: value[sim] for name, value in info.items()}
+        found |= {name: float(found[name]) for name in ("distance", "turned")}
+        terms = {name: float(values[sim]) for name, values in self._terms().items()}
+        return found | {"reward_terms": terms}
+
+
+def _motors(hand: Hand) -> tuple[Array, Array]:
+    """Limits of all motors, and the inertias that they move, (drives,) each."""
+    limits: list[float] = []
+    inertias: list[float] = []
+    for finger in hand.fingers:
+        limits += [finger.force_limit] * len(finger.slides)
+        inertias += finger.masses
+        if isinstance(tip := finger.surface, Tip):
+            limits += [tip.torque_limit] * len(tip.axes)
+            inertias += [tip.inertia] * len(tip.axes)
+    return np.array(limits), np.array(inertias)

@@ -1,0 +1,1 @@
+"""From a rig and a path to the exact inputs: equations, structure, Taylor stages, branches."""

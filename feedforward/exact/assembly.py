@@ -1,0 +1,251 @@
+"""Assembles the equations of motion of a rig from its parts."""
+
+from functools import lru_cache
+from types import MappingProxyType
+
+import numpy as np
+
+from ...models.errors import RigError
+from ...models.rig.rig import WORLD, Frame, Load, Platform, Rig, Rope, Trolley
+from .equations import Array, Equations, Orientation
+
+
+@lru_cache(maxsize=256)
+def equations_of(rig: Rig) -> Equations:
+    """The equations of motion of a rig; made once for each rig.
+
+    Raises:
+        RigError: it is no rig.
+    """
+    if not isinstance(rig, Rig):
+        raise RigError(f"rig is {rig!r}, it must be a Rig; models.make(name) makes one")
+    return _Builder(rig).build()
+
+
+class _Builder:
+    """Collects the terms of one rig's equations; affine rows act on (q, 1)."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig = rig
+        self.points = (*rig.anchors, *rig.masses)
+        self.names = self._coordinates()
+        n = len(self.names)
+        self.mass = np.zeros((n, n))
+        self.force = np.zeros(n)
+        self.constraints: list[Array] = []
+        self.constraint_names: list[str] = []
+        self.inputs = np.zeros((n, len(rig.drives), n + 1))
+
+    def build(self) -> Equations:
+        self._frames()
+        self._masses()
+        self._platforms()
+        spans, lengths = [], []
+        for rope in self.rig.ropes:
+            rows = self._rope(rope)
+            first = len(self.constraints) - len(rows)
+            spans.append(tuple(range(first, len(self.constraints))))
+            lengths.append(rows)
+        self._drives()
+        n = len(self.names)
+        stacked = np.array(self.constraints).reshape(-1, n + 1, n + 1)
+        points = {part.name: self.position(part.name) for part in self.points}
+        for array in (self.mass, self.force, stacked, self.inputs, *lengths, *points.values()):
+            array.flags.writeable = False
+        return Equations(
+            rig=self.rig,
+            names=tuple(self.names),
+            constraint_names=tuple(self.constraint_names),
+            mass=self.mass,
+            force=self.force,
+            constraints=stacked,
+            input_constant=self.inputs[:, :, -1],
+            input_linear=self.inputs[:, :, :-1],
+            turning=tuple(
+                (frame.coordinate, self.index(f"{frame.name}.cos"), self.index(f"{frame.name}.sin"))
+                for frame in self.rig.frames
+                if frame.kind == "turning"
+            ),
+            orientations=tuple(self._orientation(part) for part in self.rig.platforms),
+            spans=tuple(spans),
+            span_lengths=tuple(lengths),
+            points=MappingProxyType(points),
+        )
+
+    def _coordinates(self) -> list[str]:
+        """Frames, trolleys, ropes, loads as in `Rig.coordinate_names`, then the auxiliary ones."""
+        rig = self.rig
+        names: list[str] = []
+        angles = [angle for platform in rig.platforms for angle in platform.angles]
+        for name in rig.coordinate_names:
+            frame = next((f for f in rig.frames if f.coordinate == name), None)
+            if frame is not None and frame.kind == "turning":
+                names += [f"{frame.name}.cos", f"{frame.name}.sin"]
+            elif name not in angles:
+                names.append(name)
+        for rope in rig.ropes:
+            names += [f"{rope.name}.span{i}" for i in range(1, len(rope.path) - 1)]
+        for trolley in rig.trolleys:
+            frame = rig.frame(rig.rail(trolley.rail).frame)
+            if frame is not None and frame.kind == "turning":
+                names += [f"{trolley.name}.x", f"{trolley.name}.y"]
+        for platform in rig.platforms:
+            names += [f"{platform.name}.d{i}{axis}" for i in (1, 2, 3) for axis in "xyz"]
+        return names
+
+    def index(self, name: str) -> int:
+        return self.names.index(name)
+
+    def row(self, name: str | None = None, constant: float = 0.0) -> Array:
+        """The affine row of one coordinate, or of a constant."""
+        row = np.zeros(len(self.names) + 1)
+        if name is not None:
+            row[self.index(name)] = 1.0
+        row[-1] = constant
+        return row
+
+    def constrain(self, name: str, *products: tuple[float, Array, Array]) -> None:
+        """Add the constraint that a sum of weighted products of affine rows vanishes."""
+        matrix = sum(w * (np.outer(a, b) + np.outer(b, a)) for w, a, b in products)
+        self.constraints.append(np.asarray(matrix))
+        self.constraint_names.append(name)
+
+    def add_inertia(self, mass: float, *rows: Array) -> None:
+        """Add the kinetic energy 1/2 mass |d/dt rows|^2."""
+        for row in rows:
+            self.mass += mass * np.outer(row[:-1], row[:-1])
+
+    def _frames(self) -> None:
+        one = self.row(constant=1.0)
+        for frame in self.rig.frames:
+            if frame.kind == "turning":
+                pair = self.row(f"{frame.name}.cos"), self.row(f"{frame.name}.sin")
+                self.add_inertia(frame.inertia, *pair)
+                self.constrain(
+                    f"{frame.name}.unit", *((0.5, row, row) for row in pair), (-0.5, one, one)
+                )
+            else:
+                self.add_inertia(frame.inertia, self.row(frame.coordinate))
+
+    def _in_frame(self, frame: Frame | None, vector: tuple[float, float, float]) -> Array:
+        """World direction of a vector fixed in a frame, affine, shape (3, n + 1)."""
+        x, y, z = vector
+        if frame is None or frame.kind == "sliding":
+            return np.array([self.row(constant=value) for value in vector])
+        cos, sin = self.row(f"{frame.name}.cos"), self.row(f"{frame.name}.sin")
+        return np.array([x * cos - y * sin, x * sin + y * cos, self.row(constant=z)])
+
+    def _origin(self, frame: Frame | None) -> Array:
+        """World position of a frame's origin, affine, shape (3, n + 1)."""
+        if frame is None or frame.kind == "turning":
+            return np.zeros((3, len(self.names) + 1))
+        return np.outer(frame.axis, self.row(frame.coordinate))
+
+    def position(self, name: str) -> Array:
+        """World position of a point, affine, shape (3, n + 1)."""
+        part = next(p for p in self.points if p.name == name)
+        if isinstance(part, Platform):
+            return np.array([self.row(f"{name}.{axis}") for axis in "xyz"])
+        if isinstance(part, Load):
+            rows = [
+                self.row(f"{name}.{axis}") if axis in self.rig.axes else self.row()
+                for axis in "xyz"
+            ]
+            return np.array(rows)
+        if isinstance(part, Trolley):
+            rail = self.rig.rail(part.rail)
+            frame = self.rig.frame(rail.frame)
+            along = self.row(part.coordinate)
+            height = self.row(constant=rail.origin[2]) + rail.direction[2] * along
+            if frame is not None and frame.kind == "turning":
+                return np.array([self.row(f"{name}.x"), self.row(f"{name}.y"), height])
+            fixed = self._origin(frame) + self._in_frame(frame, rail.origin)
+            return fixed + np.outer(rail.direction, along)
+        platform = self.rig.platform(part.frame)
+        if platform is not None:
+            shares = zip(part.position, self.directors(platform), strict=True)
+            return self.position(platform.name) + sum(share * rows for share, rows in shares)
+        frame = None if part.frame == WORLD else self.rig.frame(part.frame)
+        return self._origin(frame) + self._in_frame(frame, part.position)
+
+    def _masses(self) -> None:
+        one = self.row(constant=1.0)
+        for part in self.rig.masses:
+            rows = self.position(part.name)
+            self.add_inertia(part.mass, *rows)
+            self.force -= part.mass * self.rig.gravity * rows[2, :-1]
+            if not isinstance(part, Trolley) or f"{part.name}.x" not in self.names:
+                continue
+            rail = self.rig.rail(part.rail)
+            frame = self.rig.frame(rail.frame)
+            origin = self._in_frame(frame, rail.origin)
+            direction = self._in_frame(frame, rail.direction)
+            along = self.row(part.coordinate)
+            for axis, letter in enumerate("xy"):
+                self.constrain(
+                    f"{part.name}.rail_{letter}",
+                    (1.0, one, rows[axis] - origin[axis]),
+                    (-1.0, along, direction[axis]),
+                )
+
+    def directors(self, platform: Platform) -> list[Array]:
+        """The three directors of a platform, each of shape (3, n + 1)."""
+        name = platform.name
+        return [np.array([self.row(f"{name}.d{i}{axis}") for axis in "xyz"]) for i in (1, 2, 3)]
+
+    def _platforms(self) -> None:
+        """Inertia of the directors, Y 2.41, and their six constraints, Y 2.44."""
+        one = self.row(constant=1.0)
+        for platform in self.rig.platforms:
+            directors = self.directors(platform)
+            half = 0.5 * sum(platform.inertia)
+            for moment, rows in zip(platform.inertia, directors, strict=True):
+                self.add_inertia(half - moment, *rows)
+            for i, first in enumerate(directors):
+                for k, second in enumerate(directors[i:], start=i):
+                    same = i == k
+                    self.constrain(
+                        f"{platform.name}.d{i + 1}d{k + 1}",
+                        *((0.5 if same else 1.0, a, b) for a, b in zip(first, second, strict=True)),
+                        *(((-0.5, one, one),) if same else ()),
+                    )
+
+    def _orientation(self, platform: Platform) -> Orientation:
+        directors = [name for name in self.names if name.startswith(f"{platform.name}.d")]
+        pairs = [name for name in self.constraint_names if name.startswith(f"{platform.name}.d")]
+        return Orientation(
+            angles=platform.angles,
+            directors=tuple(self.index(name) for name in directors),
+            constraints=tuple(self.constraint_names.index(name) for name in pairs),
+        )
+
+    def _rope(self, rope: Rope) -> Array:
+        """Constraints and inertia of a rope; returns its spans' lengths, affine."""
+        points = [self.position(name) for name in rope.path]
+        rows = [self.row(f"{rope.name}.span{i}") for i in range(1, len(points) - 1)]
+        lengths = np.array([*rows, (self.row(rope.coordinate) - sum(rows)) / rope.falls])
+        for i, length in enumerate(lengths):
+            span = points[i + 1] - points[i]
+            self.constrain(
+                f"{rope.name}.{i + 1}",
+                *((0.5, row, row) for row in span if row.any()),
+                (-0.5, length, length),
+            )
+        self.add_inertia(rope.inertia_along, self.row(rope.coordinate))
+        for sheave in rope.sheaves:
+            before = lengths[: rope.after(sheave)].sum(axis=0)
+            beyond = self.row(rope.coordinate) - before
+            self.add_inertia(sheave.inertia / sheave.radius**2, beyond)
+        return lengths
+
+    def _drives(self) -> None:
+        for column, drive in enumerate(self.rig.drives):
+            part = self.rig.driven(drive)
+            if isinstance(part, Frame) and part.kind == "turning":
+                # Virtual work M d(angle), with d(angle) = cos d(sin) - sin d(cos).
+                cos, sin = self.index(f"{part.name}.cos"), self.index(f"{part.name}.sin")
+                self.inputs[sin, column, cos] = 1.0
+                self.inputs[cos, column, sin] = -1.0
+            else:
+                gear = 1.0 / part.drum_radius if isinstance(part, Rope) else 1.0
+                self.inputs[self.index(part.coordinate), column, -1] = gear

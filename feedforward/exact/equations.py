@@ -1,0 +1,209 @@
+"""The equations of motion of a rig, generated from its description.
+
+In redundant coordinates q every term is a polynomial of degree two or less:
+
+    M q'' = f - sum_k multiplier_k grad(Phi_k) + (B + B'q) u
+    0     = Phi_k(q) = 1/2 (q, 1)^T S_k (q, 1)
+
+with a constant mass matrix M, possibly singular (Y 5.102, K 3.39).  To make them so
+
+- a turning frame has the cosine and the sine of its angle as coordinates,
+- a trolley on a turning rail has, besides its position along the rail, those Cartesian
+  coordinates that the turning moves,
+- a rope's spans but the last have their lengths as coordinates (K 3.41),
+- a platform has its three directors, the columns of its rotation matrix, as coordinates; their
+  six products are constraints (Y 2.42 to 2.44) and their masses the moments about the planes
+  across them, so that its gyroscopic torque needs no term of its own.
+
+The multiplier of a span's constraint, 1/2 (|span|^2 - length^2), times the length is the
+rope's tension; of a last span with several falls, of all of them together.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.errors import RigError, did_you_mean
+from ...models.rig.rig import Rig
+from ..series.rotation import matrix
+
+Array = NDArray[np.float64]
+
+
+class Orientation(NamedTuple):
+    """The directors of a platform among the coordinates."""
+
+    angles: tuple[str, str, str]
+    """Names of its Bryant angles."""
+    directors: tuple[int, ...]
+    """Indices of the nine components, director by director."""
+    constraints: tuple[int, ...]
+    """Indices of the six constraints among them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """Equations of motion with n coordinates, m constraints and a inputs.
+
+    All arrays are read-only; `states` below are arrays whose last axis is the coordinate.
+    """
+
+    rig: Rig
+    names: tuple[str, ...]
+    """Names of the n coordinates."""
+    constraint_names: tuple[str, ...]
+    mass: Array
+    """Mass matrix, shape (n, n)."""
+    force: Array
+    """Gravity, shape (n,)."""
+    constraints: Array
+    """Matrices S_k, symmetric, shape (m, n + 1, n + 1)."""
+    input_constant: Array
+    """B, shape (n, a)."""
+    input_linear: Array
+    """B', shape (n, a, n): the force on coordinate i of input j is B'[i, j] @ q times u_j."""
+    turning: tuple[tuple[str, int, int], ...]
+    """For each turning frame its angle's name and the indices of cosine and sine."""
+    orientations: tuple[Orientation, ...]
+    """Of the platforms."""
+    spans: tuple[tuple[int, ...], ...]
+    """For each rope the indices of the constraints of its spans."""
+    span_lengths: tuple[Array, ...]
+    """For each rope the rows giving its spans' lengths from (q, 1), shape (spans, n + 1)."""
+    points: Mapping[str, Array]
+    """For each anchor and mass the rows giving its world position from (q, 1), (3, n + 1)."""
+
+    def constraint_values(self, state: Array) -> Array:
+        """Phi at states (..., n): shape (..., m)."""
+        ones = _with_one(state)
+        return np.asarray(0.5 * np.einsum("...i,kij,...j->...k", ones, self.constraints, ones))
+
+    def constraint_jacobian(self, state: Array) -> Array:
+        """Gradients of Phi at states (..., n): shape (..., m, n)."""
+        return np.asarray(np.einsum("kij,...j->...ki", self.constraints, _with_one(state)))[
+            ..., :-1
+        ]
+
+    def constraint_curvature(self, rate: Array) -> Array:
+        """q'^T (d2 Phi / dq2) q' at rates (..., n): shape (..., m)."""
+        hessian = self.constraints[:, :-1, :-1]
+        return np.asarray(np.einsum("...i,kij,...j->...k", rate, hessian, rate))
+
+    def input_matrix(self, state: Array) -> Array:
+        """B + B'q at states (..., n): shape (..., n, a)."""
+        return np.asarray(
+            self.input_constant + np.einsum("iaj,...j->...ia", self.input_linear, state)
+        )
+
+    def tensions(self, state: Array, multipliers: Array) -> Array:
+        """Of the ropes where they leave their winches [N], shape (N, ropes).
+
+        States (N, n) and multipliers (N, m).
+        """
+        ones = _with_one(state)
+        found = np.zeros((len(state), len(self.rig.ropes)))
+        named = zip(self.rig.ropes, self.spans, self.span_lengths, strict=True)
+        for i, (rope, spans, rows) in enumerate(named):
+            falls = rope.falls if len(spans) == 1 else 1
+            found[:, i] = multipliers[:, spans[0]] * (ones @ rows[0]) / falls
+        return found
+
+    def accelerations(self, state: Array, rate: Array, inputs: Array) -> tuple[Array, Array]:
+        """Accelerations (N, n) and multipliers (N, m) under given inputs (N, a).
+
+        Solves the index-1 form of the equations (Y 4.10) at consistent states and rates (N, n).
+        """
+        n, m = len(self.names), len(self.constraint_names)
+        jacobian = self.constraint_jacobian(state)
+        matrix = np.zeros((len(state), n + m, n + m))
+        matrix[:, :n, :n] = self.mass
+        matrix[:, :n, n:] = np.swapaxes(jacobian, 1, 2)
+        matrix[:, n:, :n] = jacobian
+        applied = self.force + np.einsum("nia,na->ni", self.input_matrix(state), inputs)
+        right = np.concatenate((applied, -self.constraint_curvature(rate)), axis=1)
+        solution = np.linalg.solve(matrix, right[..., None])[..., 0]
+        return solution[:, :n], solution[:, n:]
+
+
+def _with_one(state: Array) -> Array:
+    return np.concatenate((state, np.ones((*state.shape[:-1], 1))), axis=-1)
+
+
+def redundant(
+    equations: Equations, values: Mapping[str, Array], rates: Mapping[str, Array]
+) -> tuple[Array, Array]:
+    """Coordinates and their rates, each (..., n), from those of the rig's parts.
+
+    Args:
+        equations: of the rig.
+        values: arrays (...) for the names of `Rig.coordinate_names`; rope lengths may be left
+            out, they follow.
+        rates: their rates, for the same names.
+
+    Raises:
+        RigError: a coordinate or its rate is missing, or a name is unknown.
+    """
+    _check_names(equations.rig, values, rates)
+    samples = np.broadcast_shapes(*(np.shape(value) for value in values.values()))
+    q, v = (np.zeros((*samples, len(equations.names))) for _ in range(2))
+    for angle, cos, sin in equations.turning:
+        q[..., cos], q[..., sin] = np.cos(values[angle]), np.sin(values[angle])
+        v[..., cos], v[..., sin] = -q[..., sin] * rates[angle], q[..., cos] * rates[angle]
+    for orientation in equations.orientations:
+        angles = [
+            [np.broadcast_to(given[name], samples) for name in orientation.angles]
+            for given in (values, rates)
+        ]
+        directors = np.swapaxes(matrix(np.moveaxis(np.array(angles), 1, -1)), -1, -2)
+        columns = list(orientation.directors)
+        q[..., columns], v[..., columns] = directors.reshape(2, *samples, 9)
+    lengths = {rope.coordinate for rope in equations.rig.ropes}
+    for name in values:
+        if name in equations.names and name not in lengths:
+            q[..., equations.names.index(name)] = values[name]
+            v[..., equations.names.index(name)] = rates[name]
+    _put_on_rails(equations, q, v)
+    for rope in equations.rig.ropes:
+        chords = [equations.points[b] - equations.points[a] for a, b in pairwise(rope.path)]
+        spans = [_distance(chord, q, v) for chord in chords]
+        spans[-1] = rope.falls * spans[-1][0], rope.falls * spans[-1][1]
+        for i, span in enumerate(spans[:-1], start=1):
+            k = equations.names.index(f"{rope.name}.span{i}")
+            q[..., k], v[..., k] = span
+        k = equations.names.index(rope.coordinate)
+        q[..., k], v[..., k] = np.sum(spans, axis=0)
+    return q, v
+
+
+def _check_names(rig: Rig, *given: Mapping[str, Array]) -> None:
+    lengths = {rope.coordinate for rope in rig.ropes}
+    for names in given:
+        for name in rig.coordinate_names:
+            if name not in lengths and name not in names:
+                raise RigError(f"rig {rig.name}: coordinate {name} is missing")
+        for name in names:
+            if name not in rig.coordinate_names:
+                known = did_you_mean(name, rig.coordinate_names)
+                raise RigError(f"rig {rig.name} has no coordinate {name!r}{known}")
+
+
+def _put_on_rails(equations: Equations, q: Array, v: Array) -> None:
+    """Set the Cartesian coordinates of trolleys on turning rails, so far zero."""
+    for k, name in enumerate(equations.constraint_names):
+        trolley, _, letter = name.rpartition(".rail_")
+        if trolley:  # Phi is the coordinate less what the rail prescribes
+            i = equations.names.index(f"{trolley}.{letter}")
+            slope = equations.constraint_jacobian(q)[..., k, :]
+            q[..., i] = -equations.constraint_values(q)[..., k]
+            v[..., i] = -np.einsum("...i,...i->...", slope, v)
+
+
+def _distance(chord: Array, q: Array, v: Array) -> tuple[Array, Array]:
+    """Length of an affine chord (3, n + 1) and its rate."""
+    vector, speed = _with_one(q) @ chord.T, v @ chord[:, :-1].T
+    length = np.asarray(np.linalg.norm(vector, axis=-1))
+    return length, np.einsum("...i,...i->...", vector, speed) / length

@@ -1,0 +1,136 @@
+"""Exact feedforward: the inputs and the motion that a reference path implies.
+
+Nothing is integrated.  `structure` says which derivatives of which equations determine the
+unknowns, `taylor` solves for them, `branch` picks the solution that continues the rig's home and
+refuses what cannot be followed, and this module names the results.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...models.errors import PathError
+from ...models.rig.rig import Rig
+from ..checks import check_times
+from ..paths.reference import Reference
+from ..series.rotation import bryant
+from .assembly import equations_of
+from .branch import Branch, branch_of, taylor_of
+from .equations import Equations
+from .motion import Motion, find_slack
+from .refusal import failure, stay_on_rails
+from .servo import prescribe
+from .taylor import Solution, expand
+
+Array = NDArray[np.float64]
+
+
+def solve(rig: Rig, reference: Reference, times: ArrayLike) -> Motion:
+    """Inputs, coordinates and rope tensions along a reference path, to rounding.
+
+    Args:
+        rig: a flat rig.
+        reference: path of the rig's outputs; at rest before 0 and after its duration.
+        times: instants [s], shape (N,) or a number.
+
+    Returns:
+        The motion at these instants.  Ropes that would have to push are reported in its
+        `slack`, not refused.
+
+    Raises:
+        RigError: the rig is not flat.
+        SmoothnessError: the reference has fewer continuous derivatives than the rig needs.
+        PathError: the path leaves the workspace or passes a singular place, and the message
+            says where and when; or it has another number of columns than the rig outputs; or
+            a time is not a finite number.
+
+    A pulley without mass may hang straight below its winch at the start of a path or at its end
+    (Y 6.1.1), where its place is undetermined: it is then the limit of the motion, good to about
+    1e-7 m within the first thousandth of the duration, and its acceleration there to a tenth.
+
+    Source: flatness of the cranes, Y 4.105 to 4.122 and K theorem 3; the method is Taylor
+    expansion of the differentiated equations, as in Pryce (BIT 41, 2001).
+    """
+    instants = check_times(times if np.ndim(times) else [times])
+    if not np.isfinite(instants).all():
+        i = int(np.flatnonzero(~np.isfinite(instants))[0])
+        raise PathError(f"time {i} is {instants[i]}, it must be finite")
+    branch = branch_of(rig, reference)
+    taylor = taylor_of(reference, instants, branch.order)
+    guess = branch.near(instants)
+    given = prescribe(rig, taylor)
+    solution = expand(branch.steps, len(guess), given, guess, follow=False, sides=branch.signs)
+    error = failure(rig, branch.analysis, solution, branch.signs, instants, taylor[0])
+    if error is not None:
+        raise error
+    motion = _motion(rig, equations_of(rig), solution, instants, branch, taylor)
+    stay_on_rails(rig, motion.coordinate_names, motion.positions.T, instants)
+    return motion
+
+
+def _motion(
+    rig: Rig,
+    equations: Equations,
+    solution: Solution,
+    times: Array,
+    branch: Branch,
+    taylor: Array,
+) -> Motion:
+    """Name the results."""
+    n, m = len(equations.names), len(equations.constraint_names)
+    series = solution.series
+    state = np.array([[w[0], w[1], 2.0 * w[2]] for w in series[:n]])
+    values = np.array([w[0] for w in series[n:]]).T
+    columns = {name: state[i] for i, name in enumerate(equations.names)}
+    at = np.clip(times, 0.0, branch.times[-1])
+    for name, cos, sin in equations.turning:
+        near = np.interp(at, branch.times, branch.angles[name])
+        columns[name] = turning_angle(state[cos], state[sin], near)
+    columns |= _bryant_angles(rig, equations, state, taylor)
+    directors = {i for _, *pair in equations.turning for i in pair}
+    directors |= {i for orientation in equations.orientations for i in orientation.directors}
+    auxiliary = [name for i, name in enumerate(equations.names) if i not in directors]
+    names = tuple(dict.fromkeys((*rig.coordinate_names, *auxiliary)))
+    positions, velocities, accelerations = np.array([columns[name] for name in names]).transpose(
+        1, 2, 0
+    )
+    tensions = equations.tensions(state[:, 0].T, values[:, :m])
+    return Motion(
+        rig=rig,
+        times=times,
+        coordinate_names=names,
+        positions=positions,
+        velocities=velocities,
+        accelerations=accelerations,
+        inputs=values[:, m:],
+        tensions=tensions,
+        multipliers=values[:, :m],
+        slack=find_slack(rig, times, tensions),
+    )
+
+
+def _bryant_angles(rig: Rig, equations: Equations, state: Array, taylor: Array) -> dict[str, Array]:
+    """Bryant angles of the platforms with two derivatives, (3, N) each: as prescribed, or else
+    from the directors.
+    """
+    factorials = np.array([1.0, 1.0, 2.0])[:, None]
+    found = {}
+    for orientation in equations.orientations:
+        if orientation.angles[0] in rig.outputs:
+            for name in orientation.angles:
+                found[name] = taylor[:3, :, rig.outputs.index(name)] * factorials
+            continue
+        directors = state[list(orientation.directors)].reshape(3, 3, *state.shape[1:])
+        series = bryant(
+            np.moveaxis(directors, (2, 3), (0, 1)).swapaxes(-1, -2) / factorials[..., None, None]
+        )
+        found |= {name: series[..., i] * factorials for i, name in enumerate(orientation.angles)}
+    return found
+
+
+def turning_angle(cos: Array, sin: Array, near: Array) -> Array:
+    """An angle and its two derivatives, (3, N), from those of its cosine and sine."""
+    principal = np.arctan2(sin[0], cos[0])
+    turns = np.round((near - principal) / (2.0 * np.pi))
+    rate = cos[0] * sin[1] - sin[0] * cos[1]
+    acceleration = cos[0] * sin[2] - sin[0] * cos[2]
+    return np.array([principal + 2.0 * np.pi * turns, rate, acceleration])

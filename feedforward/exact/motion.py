@@ -1,0 +1,162 @@
+"""The motion of a rig along a reference path, with the inputs that produce it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.errors import RigError, did_you_mean
+from ...models.files import replacing
+from ...models.rig.rig import Rig
+
+Array = NDArray[np.float64]
+
+
+class Slack(NamedTuple):
+    """An interval in which a rope would have to push."""
+
+    rope: str
+    start: float
+    """[s]"""
+    end: float
+    """[s]"""
+    lowest: float
+    """Lowest tension in it [N]."""
+
+    def __str__(self) -> str:
+        return (
+            f"rope {self.rope} would have to push from {self.start:.4g} s to {self.end:.4g} s "
+            f"(down to {self.lowest:.4g} N)"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Everything about a rig at N instants, in SI units.
+
+    Angles of frames are continuous in time; those of a platform, if nothing prescribes them, lie
+    within half a turn of upright.
+    """
+
+    rig: Rig
+    times: Array
+    """[s], shape (N,)."""
+    coordinate_names: tuple[str, ...]
+    """Columns of `positions`: those of `Rig.coordinate_names`, then auxiliary ones."""
+    positions: Array
+    """[m] or [rad], shape (N, coordinates)."""
+    velocities: Array
+    """[m/s] or [rad/s], shape (N, coordinates)."""
+    accelerations: Array
+    """[m/s2] or [rad/s2], shape (N, coordinates)."""
+    inputs: Array
+    """[N] or [N m], shape (N, inputs), columns `Rig.input_names`."""
+    tensions: Array
+    """Where a rope leaves its winch [N], shape (N, ropes), columns `Rig.rope_names`; > 0, since a
+    rope can only pull."""
+    multipliers: Array
+    """Of the constraints of `Equations.constraint_names`, shape (N, constraints); a span's is
+    the tension of all its falls over its length [N/m]."""
+    slack: tuple[Slack, ...]
+    """Intervals in which a tension is negative, as far as the samples show them."""
+
+    def column(self, name: str) -> int:
+        """Column of a coordinate.
+
+        Raises:
+            RigError: there is none of that name.
+        """
+        if name not in self.coordinate_names:
+            known = did_you_mean(name, self.coordinate_names)
+            raise RigError(f"rig {self.rig.name} has no coordinate {name!r}{known}")
+        return self.coordinate_names.index(name)
+
+    @property
+    def rope_lengths(self) -> Array:
+        """[m], shape (N, ropes), columns `Rig.rope_names`."""
+        return self.positions[:, [self.column(rope.coordinate) for rope in self.rig.ropes]]
+
+    @property
+    def outputs(self) -> Array:
+        """What the reference prescribes, shape (N, outputs)."""
+        sums = {part.name: part for part in self.rig.combinations}
+        columns = []
+        for name in self.rig.outputs:
+            if name in sums:
+                weights = zip(sums[name].factors, sums[name].of, strict=True)
+                columns.append(sum(a * self.positions[:, self.column(one)] for a, one in weights))
+            else:
+                columns.append(self.positions[:, self.column(name)])
+        return np.stack(columns, axis=1)
+
+    @property
+    def drive_positions(self) -> Array:
+        """What an encoder on each drive reads: angle, position or rope length, (N, drives)."""
+        return self.positions[:, self._drives]
+
+    @property
+    def drive_velocities(self) -> Array:
+        """Rates of `drive_positions`, shape (N, drives)."""
+        return self.velocities[:, self._drives]
+
+    @property
+    def _drives(self) -> list[int]:
+        rig = self.rig
+        return [self.column(rig.driven(drive).coordinate) for drive in rig.drives]
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write times, inputs, tensions, positions and their derivatives, one row an instant.
+
+        Raises:
+            OutputError: the file cannot be written.
+        """
+        names = [
+            "time",
+            *self.rig.input_names,
+            *(f"{rope}.tension" for rope in self.rig.rope_names),
+            *self.coordinate_names,
+            *(f"{name}_dot" for name in self.coordinate_names),
+            *(f"{name}_ddot" for name in self.coordinate_names),
+        ]
+        table = np.column_stack(
+            (
+                self.times,
+                self.inputs,
+                self.tensions,
+                self.positions,
+                self.velocities,
+                self.accelerations,
+            )
+        )
+        with replacing(path) as beside:
+            np.savetxt(beside, table, "%.17g", ",", header=",".join(names), comments="")
+
+
+ROUNDING = 1e-12
+"""A rope pushes if its tension is below minus this fraction of the largest one."""
+
+
+def find_slack(rig: Rig, times: Array, tensions: Array) -> tuple[Slack, ...]:
+    """Intervals of tensions (N, ropes) that are negative, their ends interpolated."""
+    found = []
+    order = np.argsort(times, kind="stable")
+    times, tensions = times[order], tensions[order]
+    least = ROUNDING * np.abs(tensions).max(initial=0.0)
+    for rope, tension in zip(rig.rope_names, tensions.T, strict=True):
+        loose = np.concatenate(([False], ~(tension >= -least), [False]))
+        first = np.flatnonzero(loose[1:] & ~loose[:-1]).tolist()
+        last = (np.flatnonzero(~loose[1:] & loose[:-1]) - 1).tolist()
+        for i, k in zip(first, last, strict=True):
+            start, end = _crossing(times, tension, i, i - 1), _crossing(times, tension, k, k + 1)
+            found.append(Slack(rope, start, end, float(tension[i : k + 1].min())))
+    return tuple(found)
+
+
+def _crossing(times: Array, tension: Array, inside: int, outside: int) -> float:
+    """Where the tension passes zero between two neighbouring samples."""
+    if not 0 <= outside < len(times):
+        return float(times[inside])
+    share = tension[inside] / (tension[inside] - tension[outside])
+    return float(times[inside] + share * (times[outside] - times[inside]))

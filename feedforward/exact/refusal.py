@@ -1,0 +1,126 @@
+"""What a rig cannot do, found in a solution and said in one line with time and place."""
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.errors import PathError
+from ...models.rig.rig import Rig
+from .equations import Equations
+from .structure import Analysis
+from .taylor import Solution
+
+Array = NDArray[np.float64]
+
+NAMED = 3
+"""Unknowns that a refusal names."""
+RAIL_TOLERANCE = 1e-9
+"""How far past the end of a rail a trolley may be through rounding [m]."""
+
+
+def first_wrong(solution: Solution, signs: dict[int, float], times: Array) -> int | None:
+    """The earliest sample that has no solution or lies beyond a singular place, if any."""
+    wrong = ~solution.solved
+    for block, sign in solution.signs.items():
+        wrong |= (sign != signs[block]) | (signs[block] == 0)
+    if not wrong.any():
+        return None
+    order = np.argsort(times, kind="stable")
+    return int(order[wrong[order].argmax()])
+
+
+def failure(
+    rig: Rig,
+    analysis: Analysis,
+    solution: Solution,
+    signs: dict[int, float],
+    times: Array,
+    outputs: Array,
+    when: str = "",
+) -> PathError | None:
+    """What is wrong at the first wrong sample, with its time and its outputs (N, outputs)."""
+    first = first_wrong(solution, signs, times)
+    if first is None:
+        return None
+    guilty = [
+        block
+        for block, (_, unknowns) in enumerate(analysis.blocks)
+        if (block in signs and (signs[block] == 0 or solution.signs[block][first] != signs[block]))
+        or not all(np.isfinite(solution.series[j][0][first]) for j in unknowns)
+    ]
+    unknowns = [analysis.unknowns[j] for j in analysis.blocks[guilty[0]][1]]
+    words = list(dict.fromkeys(_in_words(rig, name) for name in unknowns))
+    lost = " and ".join(words) if len(words) <= NAMED else f"{', '.join(words[:NAMED])}, ..."
+    have = "has" if len(words) == 1 else "have"
+    reason = f"{lost} {have} no value there that continues the motion"
+    return _refused(rig, when or f"at t = {times[first]:.4g} s", outputs[first], reason)
+
+
+def _refused(rig: Rig, when: str, outputs: Array, reason: str) -> PathError:
+    named = zip(rig.outputs, outputs, strict=True)
+    place = ", ".join(f"{name} = {value:.4g}" for name, value in named)
+    return PathError(f"rig {rig.name} cannot follow the path {when} ({place}): {reason}")
+
+
+def _in_words(rig: Rig, unknown: str) -> str:
+    """An unknown's name for people: a span's multiplier stands for its rope's tension."""
+    rope = unknown.removeprefix("multiplier of ").rpartition(".")[0]
+    spans = unknown.startswith("multiplier of ") and rope in rig.rope_names
+    return f"the tension of rope {rope}" if spans else unknown
+
+
+def passing(equations: Equations, values: Array, times: Array, outputs: Array) -> PathError | None:
+    """The first place where a rope's span reverses: through nothing, or through infinity.
+
+    Unknowns (unknowns, N) and outputs (N, outputs) at times (N,).
+    """
+    reversed_at = reversal(equations, values)
+    if reversed_at is None:
+        return None
+    first, reason = reversed_at
+    return _refused(equations.rig, f"at t = {times[first]:.4g} s", outputs[first], reason)
+
+
+def reversal(equations: Equations, values: Array) -> tuple[int, str] | None:
+    """The last sample before a rope's span reverses, and what the rope would do, if any does.
+
+    Unknowns, or coordinates alone, are (unknowns, N).
+    """
+    state = np.vstack((values[: len(equations.names)], np.ones(values.shape[1])))
+    found: list[tuple[int, str]] = []
+    for rope in equations.rig.ropes:
+        for k, (before, after) in enumerate(pairwise(rope.path)):
+            span = (equations.points[after] - equations.points[before]) @ state
+            backwards = (span[:, 1:] * span[:, :-1]).sum(axis=0) < 0
+            if backwards.any():
+                i = int(backwards.argmax())
+                size = np.linalg.norm(span[:, max(i - 1, 0) : i + 1], axis=0)
+                point = f"its own winch at {before}" if k == 0 else f"the point {before}"
+                how = "grow beyond all bounds" if size[-1] > size[0] else f"pass through {point}"
+                found.append((i, f"rope {rope.name} would {how}"))
+    return min(found, default=None)
+
+
+def stay_on_rails(rig: Rig, names: tuple[str, ...], positions: Array, times: Array) -> None:
+    """Refuse a motion (coordinates, N) in which a trolley leaves its rail."""
+    off = off_rails(rig, names, positions)
+    if off is not None:
+        first, reason = off
+        raise PathError(
+            f"rig {rig.name} cannot follow the path at t = {times[first]:.4g} s: {reason}"
+        )
+
+
+def off_rails(rig: Rig, names: tuple[str, ...], positions: Array) -> tuple[int, str] | None:
+    """The first sample of coordinates (coordinates, N) with a trolley off its rail, and where."""
+    found: list[tuple[int, str]] = []
+    for trolley in rig.trolleys:
+        rail = rig.rail(trolley.rail)
+        place = positions[names.index(trolley.coordinate)]
+        beyond = np.maximum(rail.start - place, place - rail.end) > RAIL_TOLERANCE
+        if beyond.any():
+            i = int(beyond.argmax())
+            where = f"{rail.name} goes from {rail.start:g} m to {rail.end:g} m"
+            found.append((i, f"{trolley.name} is at {place[i]:.4g} m, rail {where}"))
+    return min(found, default=None)

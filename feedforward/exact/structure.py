@@ -1,0 +1,230 @@
+"""Structural analysis of a rig's equations with its outputs prescribed.
+
+Pryce's signature method (BIT 41, 2001): sigma_ij is the order of the highest derivative of
+unknown j in equation i; a highest-value transversal pairs equations with unknowns; the
+offsets c_i and d_j say how often equation i must be differentiated and up to which
+derivative unknown j is then determined.  From them follow
+
+- the index, max c + 1 if some d is zero,
+- the derivatives that the reference needs, the largest c among the servo constraints,
+- the degrees of freedom left, sum d - sum c, which is 0 if the outputs are flat.
+
+The Jacobian of the differentiated equations has an entry where sigma_ij = d_j - c_i; its
+strongly connected blocks can be solved one after the other.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from graphlib import TopologicalSorter
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from ...models.errors import RigError
+from ...models.rig.rig import Rig
+from .assembly import equations_of
+from .equations import Equations
+from .servo import servo_of
+
+NEVER = -(10**6)
+"""Signature of an unknown that does not stand in an equation."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One equation, sum of terms = 0, as its monomials in the unknowns w and the reference."""
+
+    name: str
+    constant: float = 0.0
+    linear: tuple[tuple[float, int], ...] = ()
+    """(a, j): a w_j"""
+    second: tuple[tuple[float, int], ...] = ()
+    """(a, j): a w_j''"""
+    quadratic: tuple[tuple[float, int, int], ...] = ()
+    """(a, j, k): a w_j w_k"""
+    output: int | None = None
+    """Column of what is prescribed that is subtracted."""
+
+    @property
+    def plain(self) -> bool:
+        """Whether it prescribes an unknown itself, not a sum of them."""
+        return len(self.linear) == 1 and self.linear[0][0] == 1.0
+
+    def signature(self) -> dict[int, int]:
+        """Order of the highest derivative of each unknown in this equation."""
+        orders = {j: 0 for _, j in self.linear}
+        orders |= {j: 0 for _, *pair in self.quadratic for j in pair}
+        return orders | {j: 2 for _, j in self.second}
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What the structure of a rig's equations says about its inverse dynamics."""
+
+    rig_name: str
+    unknowns: tuple[str, ...]
+    """Coordinates, multipliers and inputs."""
+    rows: tuple[Row, ...]
+    """Equations of motion, constraints and servo constraints."""
+    equation_offsets: tuple[int, ...]
+    """c: how often each equation must be differentiated."""
+    unknown_offsets: tuple[int, ...]
+    """d: up to which derivative each unknown is then determined."""
+    blocks: tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]
+    """(equations, unknowns) of each block, in the order in which they can be solved; the i-th
+    equation is paired with the i-th unknown."""
+    massless: frozenset[int] = frozenset()
+    """Unknowns that are coordinates of free pulleys without mass."""
+
+    @property
+    def index(self) -> int:
+        """Differentiation index of the DAE (Y 3.1), by Pryce's formula."""
+        return max(self.equation_offsets) + (min(self.unknown_offsets) == 0)
+
+    @property
+    def reference_order(self) -> int:
+        """Number of continuous derivatives that the reference must have."""
+        offsets = zip(self.rows, self.equation_offsets, strict=True)
+        return max((c for row, c in offsets if row.output is not None), default=0)
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Free initial values with the outputs prescribed; 0 for flat outputs."""
+        return sum(self.unknown_offsets) - sum(self.equation_offsets)
+
+    @property
+    def flat(self) -> bool:
+        """Whether the outputs determine everything."""
+        return self.degrees_of_freedom == 0
+
+
+@lru_cache(maxsize=256)
+def analyse(rig: Rig) -> Analysis:
+    """Structure of the equations of a rig whose outputs are prescribed.
+
+    Raises:
+        RigError: the equations are structurally singular: some unknown is determined by no
+            equation, or the outputs contradict each other.
+    """
+    equations = equations_of(rig)
+    rows = _rows(equations)
+    unknowns = (
+        *equations.names,
+        *(f"multiplier of {name}" for name in equations.constraint_names),
+        *rig.input_names,
+    )
+    signature = np.full((len(rows), len(unknowns)), NEVER)
+    for i, row in enumerate(rows):
+        for j, order in row.signature().items():
+            signature[i, j] = order
+    partner = _transversal(rig, rows, unknowns, signature)
+    c, d = _offsets(signature, partner)
+    return Analysis(
+        rig_name=rig.name,
+        unknowns=unknowns,
+        rows=rows,
+        equation_offsets=tuple(c.tolist()),
+        unknown_offsets=tuple(d.tolist()),
+        blocks=_blocks(signature == d[None, :] - c[:, None], partner),
+        massless=frozenset(
+            unknowns.index(f"{load.name}.{axis}")
+            for load in rig.loads
+            for axis in rig.axes
+            if load.mass == 0
+        ),
+    )
+
+
+def _rows(equations: Equations) -> tuple[Row, ...]:
+    n, m = len(equations.names), len(equations.constraint_names)
+    rows = []
+    for i, name in enumerate(equations.names):
+        pulls = equations.constraints[:, i, :]
+        rows.append(
+            Row(
+                name=f"motion of {name}",
+                constant=-float(equations.force[i]),
+                linear=_pairs((pulls[k, n], n + k) for k in range(m))
+                + _pairs((-b, n + m + a) for a, b in enumerate(equations.input_constant[i])),
+                second=_pairs(zip(equations.mass[i], range(n), strict=True)),
+                quadratic=_triples((pulls[k, j], n + k, j) for k in range(m) for j in range(n))
+                + _triples(
+                    (-value, n + m + a, j)
+                    for a, values in enumerate(equations.input_linear[i])
+                    for j, value in enumerate(values)
+                ),
+            )
+        )
+    servo = servo_of(equations.rig)
+    named = zip(equations.constraint_names, equations.constraints, strict=True)
+    for k, (name, matrix) in enumerate(named):
+        if k in servo.implied:
+            continue
+        rows.append(
+            Row(
+                name=f"constraint {name}",
+                constant=0.5 * float(matrix[n, n]),
+                linear=_pairs(zip(matrix[n, :n], range(n), strict=True)),
+                quadratic=_triples(
+                    (matrix[i, j] * (0.5 if i == j else 1.0), i, j)
+                    for i in range(n)
+                    for j in range(i, n)
+                ),
+            )
+        )
+    for column, (name, terms) in enumerate(zip(servo.names, servo.rows, strict=True)):
+        rows.append(Row(name=f"servo constraint {name}", linear=terms, output=column))
+    return tuple(rows)
+
+
+def _pairs(terms: Iterable[tuple[float, int]]) -> tuple[tuple[float, int], ...]:
+    return tuple((float(a), j) for a, j in terms if a != 0)
+
+
+def _triples(terms: Iterable[tuple[float, int, int]]) -> tuple[tuple[float, int, int], ...]:
+    return tuple((float(a), j, k) for a, j, k in terms if a != 0)
+
+
+def _transversal(
+    rig: Rig, rows: tuple[Row, ...], unknowns: tuple[str, ...], signature: np.ndarray
+) -> np.ndarray:
+    """The unknown paired with each equation in a highest-value transversal."""
+    equations, partner = linear_sum_assignment(signature, maximize=True)
+    for i, j in zip(equations, partner, strict=True):
+        if signature[i, j] == NEVER:
+            raise RigError(
+                f"rig {rig.name} is structurally singular: nothing determines {unknowns[j]} "
+                f"({rows[i].name} is one equation too many); check its outputs and drives"
+            )
+    return np.asarray(partner)
+
+
+def _offsets(signature: np.ndarray, partner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The smallest offsets c >= 0 and d with d_j - c_i >= sigma_ij, equal on the transversal."""
+    c = np.zeros(len(signature), dtype=int)
+    while True:
+        d = (signature + c[:, None]).max(axis=0)
+        raised = d[partner] - signature[np.arange(len(c)), partner]
+        if (raised == c).all():
+            return c, d
+        c = raised
+
+
+def _blocks(
+    pattern: np.ndarray, partner: np.ndarray
+) -> tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]:
+    """Strongly connected blocks of the Jacobian, each after those that it depends on."""
+    needs = pattern[:, partner]  # needs[i, k]: equation i contains the unknown of equation k
+    count, label = connected_components(csr_array(needs), connection="strong")
+    graph: dict[int, set[int]] = {block: set() for block in range(count)}
+    for i, k in zip(*np.nonzero(needs), strict=True):
+        if label[i] != label[k]:
+            graph[int(label[i])].add(int(label[k]))
+    blocks = []
+    for block in TopologicalSorter(graph).static_order():
+        members = np.flatnonzero(label == block)
+        blocks.append((tuple(members.tolist()), tuple(partner[members].tolist())))
+    return tuple(blocks)

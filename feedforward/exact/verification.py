@@ -1,0 +1,69 @@
+"""How well a motion satisfies a rig's equations, computed from its named results alone."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..paths.reference import Reference
+from ..series.rotation import matrix
+from .assembly import equations_of
+from .motion import Motion
+from .servo import prescribe
+from .structure import analyse
+
+Array = NDArray[np.float64]
+
+
+def residuals(motion: Motion, reference: Reference) -> Array:
+    """Residual of every equation at every sample, relative to the size of its terms.
+
+    That size is the largest sum of the terms' magnitudes along the motion; an equation all of
+    whose terms vanish is measured by a millionth of the largest size among its kind.
+    Equations of motion, constraints and servo constraints stand in the order of
+    `analyse(rig).rows`.  Shape (N, equations).
+    """
+    if not len(motion.times):
+        return np.zeros((0, len(analyse(motion.rig).rows)))
+    values, seconds = _unknowns(motion)
+    path = prescribe(motion.rig, reference(motion.times)[None])[0]
+    rows = analyse(motion.rig).rows
+    wrong, sizes = [], []
+    for row in rows:
+        terms = [np.full(len(path), row.constant)]
+        terms += [a * values[j] for a, j in row.linear]
+        terms += [a * seconds[j] for a, j in row.second]
+        terms += [a * values[j] * values[k] for a, j, k in row.quadratic]
+        if row.output is not None:
+            terms.append(-path[:, row.output])
+        wrong.append(np.abs(np.sum(terms, axis=0)))
+        sizes.append(np.sum(np.abs(terms), axis=0).max())
+    kinds = np.array([row.name.split()[0] for row in rows])
+    floors = {kind: 1e-6 * np.max(sizes, where=kinds == kind, initial=0.0) for kind in kinds}
+    scales = [max(size, floors[kind]) for size, kind in zip(sizes, kinds, strict=True)]
+    return np.asarray(np.array(wrong).T / scales)
+
+
+def _unknowns(motion: Motion) -> tuple[list[Array], list[Array]]:
+    """All unknowns and their second derivatives, in the order of the analysis."""
+    table: dict[str, tuple[Array, Array]] = {}
+    for i, name in enumerate(motion.coordinate_names):
+        table[name] = motion.positions[:, i], motion.accelerations[:, i]
+    for frame in motion.rig.frames:
+        if frame.kind == "turning":
+            i = motion.column(frame.coordinate)
+            angle, rate = motion.positions[:, i], motion.velocities[:, i]
+            turn = motion.accelerations[:, i]
+            cos, sin = np.cos(angle), np.sin(angle)
+            table[f"{frame.name}.cos"] = cos, -sin * turn - cos * rate**2
+            table[f"{frame.name}.sin"] = sin, cos * turn - sin * rate**2
+    for orientation in equations_of(motion.rig).orientations:
+        columns = [motion.column(name) for name in orientation.angles]
+        angles = np.array([motion.positions, motion.velocities, 0.5 * motion.accelerations])
+        rotation = matrix(angles[..., columns]).swapaxes(-1, -2).reshape(3, -1, 9)
+        for i, index in enumerate(orientation.directors):
+            name = equations_of(motion.rig).names[index]
+            table[name] = rotation[0, :, i], 2.0 * rotation[2, :, i]
+    names = analyse(motion.rig).unknowns
+    first = len(names) - motion.multipliers.shape[1] - motion.inputs.shape[1]
+    pairs = [table[name] for name in names[:first]]
+    forces = np.hstack((motion.multipliers, motion.inputs)).T
+    return [p for p, _ in pairs] + list(forces), [a for _, a in pairs]

@@ -1,0 +1,98 @@
+"""Newton's method for the equations of one step.
+
+Every scheme here asks, with multipliers scaled by h^2 so that nothing grows as h shrinks, for
+
+    weight M (q - target) + force(q, multipliers) = 0,    Phi(q) = 0
+
+and differs from the others in the weight, the target and where it evaluates the force.  The
+Jacobian is exact, so the error after a Newton step is about the square of that step.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..multibody.system import System, saddle
+from .body_state import Counters, Failure
+
+Array = NDArray[np.float64]
+
+ENOUGH = 1e-9
+"""Newton step [of the coordinates' size] whose square is below rounding."""
+ROUNDS = 25
+"""Newton steps allowed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Force:
+    """Potential and constraint forces of a stage at one guess, times h^2."""
+
+    potential: Array
+    """Shape (n,)."""
+    jacobian: Array
+    """G where the scheme evaluates it, shape (m, n): the constraint force is G^T multipliers."""
+    slope: Array
+    """Derivative of both forces by q, shape (n, n)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """The equations of one step."""
+
+    weight: float
+    target: Array
+    """Where the step would lead without forces, shape (n,)."""
+    force: Callable[[Array, Array], Force]
+    """Of coordinates and scaled multipliers."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Coordinates and scaled multipliers at the end of a step."""
+
+    q: Array
+    multipliers: Array
+    counters: Counters
+
+
+def solve(system: System, stage: Stage, q: Array, multipliers: Array) -> Solution | Failure:
+    """Solve a stage from a guess."""
+    n, update = len(q), np.full_like(q, np.inf)
+    for count in range(1, ROUNDS + 1):
+        matrix, residual = linearised(system, stage, q, multipliers)
+        if not np.isfinite(residual).all():
+            return Failure("not finite", f"Newton's step {count} left the range of numbers")
+        update = np.asarray(np.linalg.solve(matrix, residual), dtype=np.float64)
+        q, multipliers = q - update[:n], multipliers - update[n:]
+        if negligible(update[:n], q):
+            return Solution(q, multipliers, Counters(1, count, count))
+    return unsettled(update[:n])
+
+
+def negligible(update: Array, q: Array) -> bool:
+    """Whether what is left after a Newton step is below rounding."""
+    return bool(np.abs(update).max() <= ENOUGH * (1 + np.abs(q).max()))
+
+
+def unsettled(update: Array) -> Failure:
+    """The failure of a method whose last step was this."""
+    size = float(np.abs(update).max())
+    return Failure(
+        "not converged",
+        f"Newton's last step of {ROUNDS} was {size:.3g}; a smaller time step may help",
+    )
+
+
+def linearised(system: System, stage: Stage, q: Array, multipliers: Array) -> tuple[Array, Array]:
+    """Matrix (n + m, n + m) and residual (n + m,) of a stage at a guess."""
+    force = stage.force(q, multipliers)
+    balance = stage.weight * system.mass @ (q - stage.target) + force.potential
+    balance += force.jacobian.T @ multipliers
+    matrix = saddle(
+        stage.weight * system.mass + force.slope,
+        force.jacobian.T,
+        system.constraint_jacobian(q),
+    )
+    return matrix, np.concatenate((balance, system.constraint_values(q)))

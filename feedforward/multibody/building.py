@@ -1,0 +1,226 @@
+"""From a mechanism's description to its equations and its start."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.errors import RigError
+from .bodies import GROUND, Angle, Augmentation, Body, Mechanism, Point
+from .nullspace import projected, projected_rate
+from .pairs import constraints, turn
+from .rows import Rows, centre, directors, dot, form
+from .system import System
+from .terms import Form, SpringTerm, Turn
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-8
+"""How far [m, or none] bodies may stand from satisfying their joints at the start."""
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where a mechanism starts, consistent to rounding."""
+
+    q: Array
+    """Coordinates, shape (n,)."""
+    v: Array
+    """Their rates, shape (n,)."""
+
+
+def assemble(mechanism: Mechanism) -> tuple[System, Start]:
+    """Equations and start of a mechanism.
+
+    Raises:
+        RigError: a name is unknown or stands twice, a vector has the wrong number of components,
+            or the bodies do not fit their joints at the start.
+    """
+    _check(mechanism)
+    bodies, added = mechanism.bodies, mechanism.augmentations
+    names = tuple(name for body in bodies for name in _names(body))
+    names += tuple(part.name for part in added)
+    rows = Rows(len(bodies[0].position), bodies, names)
+    named = [pair for body in bodies for pair in _rigidity(body, rows)]
+    for part in (*mechanism.joints, *added):
+        named += [(f"{part.name}.{end}", matrix) for end, matrix in constraints(part, rows)]
+    turns = []
+    for part in added:
+        if isinstance(part, Angle):
+            sine, cosine = turn(part, rows)
+            turns.append(Turn(len(named), names.index(part.name), Form(sine), Form(cosine)))
+            named.append((f"{part.name}.turn", np.zeros_like(sine)))
+    system = System(
+        name=mechanism.name,
+        names=names,
+        constraint_names=tuple(name for name, _ in named),
+        mass=_mass(bodies, names),
+        force=_force(mechanism, rows),
+        constraints=np.array([matrix for _, matrix in named]),
+        turns=tuple(turns),
+        springs=_springs(mechanism, rows),
+        vectors=tuple(
+            tuple(names.index(name) for name in vector)
+            for body in bodies
+            for vector in (centre(body), *directors(body))
+        ),
+    )
+    return system, _start(system, mechanism, rows)
+
+
+def track(mechanism: Mechanism, point: Point, q: Array) -> Array:
+    """World positions of a material point at coordinates (..., n), shape (..., d)."""
+    bodies, added = mechanism.bodies, mechanism.augmentations
+    names = tuple(name for body in bodies for name in _names(body))
+    rows = Rows(len(bodies[0].position), bodies, names + tuple(part.name for part in added))
+    place = rows.point(point)
+    return np.asarray(q @ place[:, :-1].T + place[:, -1])
+
+
+def _names(body: Body) -> tuple[str, ...]:
+    return (*centre(body), *(name for director in directors(body) for name in director))
+
+
+def _rigidity(body: Body, rows: Rows) -> list[tuple[str, Array]]:
+    """Unit and perpendicular directors (Y 2.44)."""
+    found = []
+    size = len(body.euler)
+    pairs = [(i, i) for i in range(size)] + [(i, k) for i in range(size) for k in range(i)]
+    for i, k in pairs:
+        factor = 0.5 if i == k else 1.0
+        terms = dot(rows.director(body.name, i), rows.director(body.name, k), factor)
+        constant = [(-0.5, rows.one, rows.one)] if i == k else []
+        found.append((f"{body.name}.d{k + 1}d{i + 1}", form(*terms, *constant)))
+    return found
+
+
+def _mass(bodies: tuple[Body, ...], names: tuple[str, ...]) -> Array:
+    """Masses and principal values of the Euler tensors (Y 2.42); zero for what is added."""
+    diagonal = np.zeros(len(names))
+    for body in bodies:
+        for factor, vector in zip(
+            (body.mass, *body.euler), (centre(body), *directors(body)), strict=True
+        ):
+            diagonal[[names.index(name) for name in vector]] = factor
+    return np.diag(diagonal)
+
+
+def _force(mechanism: Mechanism, rows: Rows) -> Array:
+    force = np.zeros(len(rows.names))
+    for body in mechanism.bodies:
+        for name, pull in zip(centre(body), mechanism.gravity, strict=False):
+            force[rows.names.index(name)] = body.mass * pull
+    for effort in mechanism.efforts:
+        force += effort.value * rows.row(effort.on)[:-1]
+    return force
+
+
+def _springs(mechanism: Mechanism, rows: Rows) -> tuple[SpringTerm, ...]:
+    found = []
+    for spring in mechanism.springs:
+        span = rows.point(spring.second) - rows.point(spring.first)
+        found.append(SpringTerm(Form(form(*dot(span, span))), spring.stiffness, spring.length))
+    return tuple(found)
+
+
+def _start(system: System, mechanism: Mechanism, rows: Rows) -> Start:
+    q, v = (np.zeros(len(system.names)) for _ in range(2))
+    vectors = iter(system.vectors)
+    for body in mechanism.bodies:
+        place = list(next(vectors))
+        q[place] = body.position
+        v[place] = body.velocity or np.zeros(rows.dimension)
+        rotation = rows.rotation(body.name)
+        for i in range(len(body.euler)):
+            place = list(next(vectors))
+            q[place] = rotation[:, i]
+            v[place] = _turning(body.spin, rotation[:, i])
+    given = np.array([system.index(name) for body in mechanism.bodies for name in _names(body)])
+    for part in mechanism.augmentations:
+        q[system.index(part.name)] = _added(system, part, q)
+    away = np.abs(system.constraint_values(q))
+    if not away.max() <= TOLERANCE:
+        worst = system.constraint_names[int(np.argmax(away))]
+        raise RigError(
+            f"{system.name}: the bodies do not fit at the start; constraint {worst} is "
+            f"{away.max():.3g}, it must be 0 to {TOLERANCE:g}"
+        )
+    rank = int(np.linalg.matrix_rank(system.constraint_jacobian(q)))
+    if rank < len(system.constraint_names):
+        raise RigError(
+            f"{system.name}: of {len(system.constraint_names)} constraints only {rank} are "
+            "independent at the start; loops in one plane need planar bodies"
+        )
+    q = projected(system, q)
+    v = _rates(system, q, v, given)
+    return Start(q, v)
+
+
+def _turning(spin: tuple[float, ...], director: Array) -> Array:
+    if not spin:
+        return np.zeros_like(director)
+    if len(director) == 2:
+        return spin[0] * np.array([-director[1], director[0]])
+    return np.asarray(np.cross(spin, director))
+
+
+def _added(system: System, part: Augmentation, q: Array) -> float:
+    """Value of an added coordinate at the start."""
+    if isinstance(part, Angle):
+        (found,) = (t for t in system.turns if t.angle == system.index(part.name))
+        return float(np.arctan2(found.sine.value(q), found.cosine.value(q)))
+    return float(system.constraint_values(q)[system.constraint_names.index(f"{part.name}.along")])
+
+
+def _rates(system: System, q: Array, v: Array, given: Array) -> Array:
+    """Rates of the added coordinates from those of the bodies, and all of them consistent."""
+    added = np.setdiff1d(np.arange(len(q)), given)
+    jacobian = system.constraint_jacobian(q)
+    found = v.copy()
+    if len(added):
+        right = -jacobian[:, given] @ v[given]
+        found[added] = np.linalg.lstsq(jacobian[:, added], right, rcond=None)[0]
+    away = np.abs(jacobian @ found)
+    if not away.max() <= TOLERANCE * max(1.0, float(np.abs(found).max())):
+        worst = system.constraint_names[int(np.argmax(away))]
+        raise RigError(
+            f"{system.name}: the bodies' velocities do not fit at the start; constraint {worst} "
+            f"changes by {away.max():.3g}/s, it must stay 0"
+        )
+    return projected_rate(system, q, found)
+
+
+def _check(mechanism: Mechanism) -> None:
+    if not mechanism.bodies:
+        raise RigError(f"{mechanism.name} has no bodies; it needs one or more")
+    names = [p.name for p in (*mechanism.bodies, *mechanism.joints, *mechanism.augmentations)]
+    for name in names:
+        if [*names, GROUND].count(name) > 1:
+            raise RigError(f"{mechanism.name}: the name {name!r} stands twice")
+    if not (mechanism.joints or any(body.euler for body in mechanism.bodies)):
+        raise RigError(f"{mechanism.name} has no constraints; it needs a joint or a rigid body")
+    size = len(mechanism.bodies[0].position)
+    for body in mechanism.bodies:
+        if len(body.position) != size or size not in (2, 3):
+            raise RigError(
+                f"{body.name} has the position {body.position}; it must have two or three "
+                "components, as many as every other body's"
+            )
+        spins = 1 if size == 2 else 3
+        for what, given, right in (
+            ("velocity", body.velocity, size),
+            ("spin", body.spin, spins),
+            ("rotation", body.rotation, size),
+        ):
+            if len(given) not in (0, right):
+                raise RigError(f"{body.name} has the {what} {given}; it must have {right} entries")
+        if len(body.euler) not in (0, size):
+            raise RigError(
+                f"{body.name} has {len(body.euler)} values of the Euler tensor; it must be "
+                f"{size}, or none for a point mass"
+            )
+        if not (body.mass > 0 and all(value > 0 for value in body.euler)):
+            raise RigError(
+                f"{body.name} has mass {body.mass} and Euler tensor {body.euler}; "
+                "they must be above 0"
+            )

@@ -1,0 +1,1 @@
+"""Reference paths as functions of time that know their derivatives and their smoothness."""

@@ -1,0 +1,266 @@
+"""Scalar profiles c(s) from 0 to 1 over 0 <= s <= 1, with every derivative in closed form.
+
+    RestToRest(order=4)                 # Y's polynomial of degree 9
+    ThreePhase(blend=0.25, order=4)     # blend in, constant speed, blend out
+    AtRest()                            # c = 0
+
+A profile of order n has n derivatives that vanish at both ends, so that it joins to rest before
+and after with n continuous derivatives.
+
+The polynomials are never summed in powers of s, where large coefficients of alternating signs
+cancel.  With n the order and x = 1 - 2 s,
+
+    c(s)  = s^(n+1) sum_k binom(n+k, k) (1-s)^k         all terms positive, used for s <= 1/2
+    c'(s) = (2n+1)! / n!^2 (s (1-s))^n                  hence d^j c'/ds^j ~ (s (1-s))^(n-j) Q_j(x)
+
+and c(s) = 1 - c(1-s) gives the other half.  Relative accuracy is kept up to both ends, and the
+vanishing derivatives are zero there exactly.
+"""
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from typing import Protocol
+
+import numpy as np
+
+from ...models.errors import PathError
+from ..checks import FloatArray, as_number, check_order
+
+ALWAYS_SMOOTH = 10**6
+"""Order of a path that never moves: more derivatives than any rig needs."""
+
+HIGHEST_ORDER = 100
+"""Of a polynomial: its coefficients are still far from overflow."""
+
+SHORTEST_BLEND = 1e-6
+"""Of the duration: powers of its inverse stay far from overflow, too."""
+
+
+class Profile(Protocol):
+    """A scalar function that rises from 0 at s = 0 to 1 at s = 1, and rests outside."""
+
+    @property
+    def order(self) -> int:
+        """Number of continuous derivatives over all s."""
+
+    def derivatives(self, s: FloatArray, order: int) -> FloatArray:
+        """Derivatives d^k c / ds^k, k = 0 .. `order`; s of shape (N,), result (order+1, N)."""
+
+
+@dataclass(frozen=True)
+class AtRest:
+    """The profile that stays at 0: a path that never leaves its start."""
+
+    @property
+    def order(self) -> int:
+        """Every derivative is continuous."""
+        return ALWAYS_SMOOTH
+
+    def derivatives(self, s: FloatArray, order: int) -> FloatArray:
+        """Zeros of shape (order+1, N)."""
+        return np.zeros((order + 1, len(s)))
+
+
+@dataclass(frozen=True)
+class RestToRest:
+    """The polynomial of degree 2n+1 with n vanishing derivatives at both ends.
+
+    Order 4 is Y 4.87 and 5.69, 126 s^5 - 420 s^6 + 540 s^7 - 315 s^8 + 70 s^9; order 6 is K 3.57.
+    Order 0 is the ramp c = s.
+
+    Raises:
+        PathError: the order is not a whole number from 0 to 100.
+    """
+
+    order: int = 4
+
+    def __post_init__(self) -> None:
+        check_order("order", self.order, highest=HIGHEST_ORDER)
+
+    @property
+    def coefficients(self) -> tuple[int, ...]:
+        """Exact coefficients of s^0 .. s^(2n+1)."""
+        n = self.order
+        scale = math.factorial(2 * n + 1) // math.factorial(n) ** 2
+        upper = ((-1) ** k * Fraction(scale * math.comb(n, k), n + 1 + k) for k in range(n + 1))
+        return (0,) * (n + 1) + tuple(int(value) for value in upper)
+
+    def derivatives(self, s: FloatArray, order: int) -> FloatArray:
+        """Derivatives d^k c / ds^k, k = 0 .. `order`.
+
+        Beyond the profile's own order they are those of the polynomial on 0 <= s <= 1, ends
+        included, and zero outside.
+
+        Args:
+            s: shape (N,).
+            order: highest derivative wanted.
+
+        Returns:
+            Shape (order+1, N).
+        """
+        n = self.order
+        outside = (s < 0) | (s > 1)
+        s = np.clip(s, 0.0, 1.0)
+        rest = 1.0 - s
+        result = np.empty((order + 1, len(s)))
+        result[0] = _folded(s, n + 1, tuple(float(math.comb(n + k, k)) for k in range(n + 1)))
+        if order > 0:
+            powers = _powers(s * rest, n)
+            x = rest - s
+        for k in range(1, order + 1):
+            result[k] = _parity_horner(_derivative_factor(n, k - 1), x)
+            if n - (k - 1) > 0:
+                result[k] *= powers[n - (k - 1)]
+            if k > n:
+                result[k, outside] = 0.0
+        return result
+
+
+@dataclass(frozen=True)
+class ThreePhase:
+    """Blend in during s <= `blend`, constant speed, blend out during the last `blend`.
+
+    The speed of a profile of order n rises and falls on the rest-to-rest polynomial of order
+    n-1.  Order 4 is Y 4.126-4.128 and 5.100, with 14 and 7 in place of the misprinted 14/2 and
+    7/2 and the third phase's sign put right:
+
+        c = (-5/2 u^8 + 10 u^7 - 14 u^6 + 7 u^5) blend / (1 - blend),  u = s / blend,
+
+    then (s - blend/2) / (1 - blend), then 1 - c(1-s).
+
+    Raises:
+        PathError: the blend is not in 1e-6 .. 1/2, or the order not in 1 .. 100.
+    """
+
+    blend: float
+    """Fraction of the duration that each blend takes."""
+    order: int = 4
+
+    def __post_init__(self) -> None:
+        check_order("order", self.order, lowest=1, highest=HIGHEST_ORDER)
+        if not SHORTEST_BLEND <= as_number(self.blend) <= 0.5:
+            raise PathError(
+                f"blend is {self.blend!r} of the duration, it must be from "
+                f"{SHORTEST_BLEND:g} to 0.5"
+            )
+
+    @property
+    def coefficients(self) -> tuple[Fraction, ...]:
+        """Exact coefficients of u^0 .. u^(2n) in the blend in, factor blend/(1-blend) apart."""
+        speed = RestToRest(self.order - 1).coefficients
+        return (Fraction(0), *(Fraction(value, k + 1) for k, value in enumerate(speed)))
+
+    def derivatives(self, s: FloatArray, order: int) -> FloatArray:
+        """Derivatives d^k c / ds^k, k = 0 .. `order`.
+
+        Beyond the profile's own order they are those of the piece s lies in, of the blends where
+        two pieces meet, and zero outside 0 <= s <= 1.
+
+        Args:
+            s: shape (N,).
+            order: highest derivative wanted.
+
+        Returns:
+            Shape (order+1, N).
+        """
+        blend, n = self.blend, self.order
+        speed = 1.0 / (1.0 - blend)
+        outside = (s < 0) | (s > 1)
+        s = np.clip(s, 0.0, 1.0)
+        second_half = s > 0.5
+        near = np.where(second_half, 1.0 - s, s)
+        cruising = near > blend
+        u = np.minimum(near / blend, 1.0)
+
+        result = np.empty((order + 1, len(s)))
+        blended = (blend * speed) * _rising(u, n + 1, _blend_sum(n))
+        half = np.where(cruising, speed * (near - 0.5 * blend), blended)
+        result[0] = np.where(second_half, 1.0 - half, half)
+        if order > 0:
+            result[1:] = RestToRest(n - 1).derivatives(u, order - 1)
+        for k in range(1, order + 1):
+            result[k] *= speed / blend ** (k - 1)
+            if k % 2 == 0:
+                np.negative(result[k], out=result[k], where=second_half)
+            if k > 1:
+                result[k, cruising] = 0.0
+            if k == 1 or k > n:
+                result[k, outside] = 0.0
+        return result
+
+
+def _rising(u: FloatArray, power: int, coefficients: tuple[float, ...]) -> FloatArray:
+    """u^power * sum_k coefficients[k] (1-u)^k, for positive coefficients free of cancellation."""
+    rest = 1.0 - u
+    total = np.full_like(u, coefficients[-1])
+    for coefficient in coefficients[-2::-1]:
+        total *= rest
+        total += coefficient
+    for _ in range(power):
+        total *= u
+    return total
+
+
+def _folded(s: FloatArray, power: int, coefficients: tuple[float, ...]) -> FloatArray:
+    """`_rising` for s <= 1/2, and 1 - its value at 1-s beyond."""
+    second_half = s > 0.5
+    half = _rising(np.where(second_half, 1.0 - s, s), power, coefficients)
+    return np.where(second_half, 1.0 - half, half)
+
+
+def _powers(base: FloatArray, highest: int) -> list[FloatArray]:
+    """base^0 .. base^highest by multiplication, an order of magnitude faster than power()."""
+    powers = [np.ones_like(base)]
+    for _ in range(highest):
+        powers.append(powers[-1] * base)
+    return powers
+
+
+def _parity_horner(coefficients: tuple[float, ...], x: FloatArray) -> FloatArray:
+    """The even or odd polynomial sum_i coefficients[i] x^i."""
+    odd = 1 - len(coefficients) % 2
+    square = x * x
+    total = np.full_like(x, coefficients[-1])
+    for coefficient in coefficients[-3::-2]:
+        total *= square
+        total += coefficient
+    return total * x if odd else total
+
+
+@cache
+def _blend_sum(order: int) -> tuple[float, ...]:
+    """Coefficients a_k of the blend in as u^(n+1) sum_k a_k (1-u)^k, all positive.
+
+    They follow from the blend's end, 1/2 - (1-u) + O((1-u)^(n+1)), divided by u^(n+1).
+    """
+    n = order
+    return tuple(float(Fraction(math.comb(n + k, k) * (n - k), 2 * (n + k))) for k in range(n))
+
+
+@cache
+def _derivative_factor(order: int, j: int) -> tuple[float, ...]:
+    """Polynomial in x that, times (s (1-s))^max(n-j, 0), is the derivative d^(j+1) c / ds^(j+1).
+
+    From (1-x^2)^n, whose j-th derivative by x is (1-x^2)^(n-j) Q_j(x) with
+    Q_(j+1) = (1-x^2) Q_j' - 2 (n-j) x Q_j, exactly in integers.
+    """
+    n = order
+    factor = [1]
+    for i in range(j):
+        slope = [k * value for k, value in enumerate(factor)][1:] or [0]
+        if i >= n:
+            factor = slope
+            continue
+        following = [0] * (len(factor) + 1)
+        for k, value in enumerate(slope):
+            following[k] += value
+            if value:
+                following[k + 2] -= value
+        for k, value in enumerate(factor):
+            following[k + 1] -= 2 * (n - i) * value
+        factor = following
+    scale = Fraction(math.factorial(2 * n + 1), math.factorial(n) ** 2)
+    scale *= Fraction((-2) ** j, 4 ** min(n, j))
+    return tuple(float(scale * value) for value in factor)

@@ -1,0 +1,132 @@
+"""The spline of a sampled path: from rest to rest, with as few knots as the points allow.
+
+B-splines of degree 2n+1 on clamped knots have n vanishing derivatives at an end exactly when the
+first, or last, n+1 coefficients are equal.  With those put in place, m pieces leave m-1 unknown
+coefficients: none for the rest-to-rest polynomial, and as many as inner points when every point is
+a knot, where the least-squares spline becomes the interpolating one.
+"""
+
+from contextlib import suppress
+
+import numpy as np
+from scipy.interpolate import BSpline, make_interp_spline
+from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
+
+from ...models.errors import PathError
+from ..checks import FloatArray
+
+WORTHWHILE = 8.0
+"""A doubling of the pieces that brings the points less than this closer follows their noise.  A
+smooth path gains 2^(2n+2), one with a jump in derivative n+1 still 2^(n+1)."""
+
+ROUNDING = 8 * np.finfo(float).eps
+"""Relative deviation that nothing improves."""
+
+RECORDING = 100
+"""So many points and more are a recording of something smooth, not points to pass through."""
+
+REFINEMENTS = 2
+"""Corrections of the normal equations' solution: they square the B-splines' condition number,
+up to 1e4 for degree 9, and each correction takes that back."""
+
+
+def fit(times: FloatArray, points: FloatArray, order: int, tolerance: float) -> BSpline:
+    """The spline along points that pieces as few as possible bring within the tolerance.
+
+    Args:
+        times: shape (N,), increasing, spaced by about 1 for conditioning.
+        points: shape (N, size).
+        order: n, number of vanishing derivatives at both ends; the degree is 2n+1.
+        tolerance: largest deviation of a point's coordinate.  Doubling goes on below it as long
+            as it is worthwhile.
+
+    Returns:
+        A spline with values of shape (size,).  It interpolates if nothing coarser will do.
+
+    Raises:
+        PathError: a recording scatters by more than the tolerance.
+    """
+    best: BSpline | None = None
+    smallest = ROUNDING * float(np.abs(points).max())
+    deviations: list[float] = []
+    pieces = 1
+    while pieces < len(times) - 1:
+        spline = least_squares(times, points, order, pieces)
+        pieces *= 2
+        if spline is None:
+            continue
+        deviations.append(float(np.abs(spline(times) - points).max()))
+        if best is not None and deviations[-1] * WORTHWHILE > deviations[-2]:
+            return best
+        if deviations[-1] <= max(tolerance, smallest):
+            best = spline
+        if deviations[-1] <= smallest:
+            return spline
+    if best is not None:
+        return best
+    if tolerance > 0 and len(times) >= RECORDING:
+        _refuse_scatter(deviations, tolerance)
+    return interpolate(times, points, order)
+
+
+def _refuse_scatter(deviations: list[float], tolerance: float) -> None:
+    """Refuse points that more pieces come no closer to.
+
+    Raises:
+        PathError: the last doublings of the pieces were not worthwhile.
+    """
+    resolved = len(deviations) - 1
+    while resolved > 0 and deviations[resolved] * WORTHWHILE > deviations[resolved - 1]:
+        resolved -= 1
+    if resolved < len(deviations) - 1:
+        raise PathError(
+            f"the points scatter by about {deviations[resolved]:.1g} around any smooth path, more "
+            f"than the tolerance {tolerance:g}: pass tolerance >= {1.5 * deviations[resolved]:.1g}"
+        )
+
+
+def interpolate(times: FloatArray, points: FloatArray, order: int) -> BSpline:
+    """The spline of degree 2 `order` + 1 through all points, a knot at each.
+
+    Raises:
+        PathError: the times are too uneven for it.
+    """
+    rest = [(k, np.zeros(points.shape[1])) for k in range(1, order + 1)]
+    ends = (rest, rest) if rest else None
+    spline = None
+    with suppress(LinAlgError, ValueError):  # a singular or overflowing collocation matrix
+        spline = make_interp_spline(times, points, k=2 * order + 1, bc_type=ends)
+    if spline is None or not np.isfinite(spline.c).all():
+        raise PathError(
+            f"the points are too unevenly spaced in time for a path of order {order}: the steps "
+            f"differ by a factor of {np.diff(times).max() / np.diff(times).min():.1g}"
+        )
+    return spline
+
+
+def least_squares(times: FloatArray, points: FloatArray, order: int, pieces: int) -> BSpline | None:
+    """The spline of least squares with knots at every so many points; None where it is singular."""
+    degree = 2 * order + 1
+    chosen = np.round(np.linspace(0, len(times) - 1, pieces + 1)).astype(int)
+    knots = np.concatenate([np.full(degree, times[0]), times[chosen], np.full(degree, times[-1])])
+    first = order + 1
+    unknown = slice(first, first + pieces - 1)
+    coefficients = np.empty((pieces + degree, points.shape[1]))
+    coefficients[:first] = points[0]
+    coefficients[-first:] = points[-1]
+    coefficients[unknown] = 0.0
+    if pieces > 1:
+        design = BSpline.design_matrix(times, knots, degree)
+        inner = design[:, unknown]
+        normal = inner.T @ inner
+        bands = np.zeros((min(degree, pieces - 2) + 1, pieces - 1))
+        for i in range(len(bands)):
+            bands[i, : pieces - 1 - i] = normal.diagonal(-i)
+        try:
+            factor = cholesky_banded(bands, lower=True)
+        except LinAlgError:
+            return None
+        for _ in range(1 + REFINEMENTS):
+            residual = points - design @ coefficients
+            coefficients[unknown] += cho_solve_banded((factor, True), inner.T @ residual)
+    return BSpline(knots, coefficients, degree)

@@ -1,0 +1,1 @@
+"""Which moves a rig can make: checks, durations, obstacles, and the height of a free pulley."""

@@ -1,0 +1,234 @@
+"""Whether a rig can make a move, and what the move asks of its drives.
+
+    report = check(models.navy_crane_2d(), from_move(models.PRINTED_MOVES["navy_crane_2d"]))
+    report.feasible             # False
+    report.problems             # one sentence each: slack ropes, weak drives, rough paths, ...
+    report.slack, report.sizing     # per rope when it would have to push; per drive K 3.3's numbers
+
+A move is looked at as a whole: a path that is not smooth enough is still solved, with one-sided
+derivatives where its pieces meet, and a trolley past the end of its rail goes on, so that all that
+is wrong is said at once.  Only a path that the equations have no solution for ends the matter.
+
+Limits: what lies between the samples is not seen, and where a path is not smooth enough the inputs
+that its joins would take, unbounded in theory, are not in the numbers.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...models.errors import OptionError, PathError
+from ...models.rig.rig import Drive, Frame, Rig, Rope
+from ..checks import FloatArray, as_number
+from ..exact.branch import accept_columns
+from ..exact.inverse import solve
+from ..exact.motion import Motion, Slack
+from ..exact.refusal import RAIL_TOLERANCE
+from ..exact.structure import analyse
+from ..paths.reference import OfPath, Reference
+
+LEAST_SAMPLES, MOST_SAMPLES = 101, 1_000_000
+"""Of a move however short; more than the second is taken for a slip of the finger."""
+TAUT = 1e-9
+"""A tension below zero by less than this fraction of the rig's weight is zero to rounding."""
+
+
+@dataclass(frozen=True)
+class Sizing:
+    """What a move asks of one drive (actuator dimensioning, K 3.3)."""
+
+    drive: str
+    unit: str
+    """Of the input: "N m" on what turns, a winch's drum too, and "N" on what slides."""
+    limit: float
+    """Largest input of the drive [unit]."""
+    largest: float
+    """Largest magnitude of the input on this move [unit]."""
+    when: float
+    """When it is needed [s]."""
+    rms: float
+    """Root mean square of the input over the move [unit], which heats a motor."""
+    speed: float
+    """Largest speed: of the drum or frame [rad/s], or of what slides [m/s]."""
+    power: float
+    """Largest power that the drive delivers [W]."""
+    braking: float
+    """Largest power that it takes up [W]."""
+
+    @property
+    def within(self) -> bool:
+        """Whether the limit suffices."""
+        return self.largest <= self.limit
+
+    @property
+    def spare(self) -> float:
+        """Share of the limit that is left; negative if it does not suffice."""
+        return 1.0 - self.largest / self.limit
+
+    @property
+    def rpm(self) -> float | None:
+        """The speed of what turns, in revolutions per minute."""
+        return self.speed * 30.0 / math.pi if self.unit == "N m" else None
+
+
+@dataclass(frozen=True, eq=False)
+class Feasibility:
+    """What `check` found."""
+
+    rig: Rig
+    reference: Reference
+    order_needed: int
+    """Continuous derivatives that the rig needs of the path."""
+    problems: tuple[str, ...]
+    """All that is wrong, one sentence each."""
+    obstructed: str
+    """Why the path has no solution, with time and place; empty if it has one."""
+    motion: Motion | None
+    """The motion, its inputs and tensions; None if the path has no solution."""
+    slack: tuple[Slack, ...]
+    """When which rope would have to push."""
+    sizing: tuple[Sizing, ...]
+    """One for each drive, in the order of `Rig.drives`; none if the path has no solution."""
+
+    @property
+    def feasible(self) -> bool:
+        """Whether nothing is wrong."""
+        return not self.problems
+
+    @property
+    def smooth(self) -> bool:
+        """Whether the path has the derivatives that the rig needs."""
+        return self.reference.order >= self.order_needed
+
+
+@dataclass(frozen=True)
+class AsSmooth(OfPath):
+    """A path that is taken to have as many continuous derivatives as `order` says.
+
+    Those it has not are one-sided.
+    """
+
+    path: Reference
+    order: int
+
+    @property
+    def duration(self) -> float:
+        """As of the path [s]."""
+        return self.path.duration
+
+
+def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
+    """Whether a rig can make a move: smoothness, workspace, rails, ropes and drives.
+
+    Args:
+        rig: a flat rig.
+        reference: path of the rig's outputs.
+        rate: samples per second [Hz].
+
+    Returns:
+        What was found.  What is wrong with the move is said there and not raised.
+
+    Raises:
+        RigError: the rig itself cannot be treated.
+        PathError: the path's columns are not the rig's outputs.
+        OptionError: the rate is not > 0, or makes more than a million samples.
+    """
+    accept_columns(rig, reference)
+    needed = analyse(rig).reference_order
+    times = instants(reference.duration, rate)
+    problems = []
+    path = reference
+    if reference.order < needed:
+        problems.append(
+            f"the path has {reference.order} continuous derivatives, rig {rig.name} needs {needed}"
+        )
+        path = AsSmooth(reference, needed)
+    endless = tuple(replace(rail, start=-math.inf, end=math.inf) for rail in rig.rails)
+    try:
+        motion = replace(solve(replace(rig, rails=endless), path, times), rig=rig)
+    except PathError as error:
+        problems.append(str(error))
+        return Feasibility(rig, reference, needed, tuple(problems), str(error), None, (), ())
+    sizing = tuple(_sizing(motion, i) for i in range(len(rig.drives)))
+    problems += _off_rails(motion)
+    problems += [str(part) for part in motion.slack]
+    problems += _slack_at_rest(motion)
+    problems += [
+        f"drive {part.drive} would need {part.largest:.4g} {part.unit} at {part.when:.4g} s, "
+        f"its limit is {part.limit:.4g} {part.unit}"
+        for part in sizing
+        if not part.within
+    ]
+    return Feasibility(rig, reference, needed, tuple(problems), "", motion, motion.slack, sizing)
+
+
+def driven_unit(rig: Rig, drive: Drive) -> str:
+    """Unit of an input: a force on what slides, a torque on what turns."""
+    part = rig.driven(drive)
+    turns = isinstance(part, Rope) or (isinstance(part, Frame) and part.kind == "turning")
+    return "N m" if turns else "N"
+
+
+def instants(duration: float, rate: float) -> FloatArray:
+    """Samples from 0 to the end of a path, `rate` in a second or more.  Shape (N,).
+
+    Raises:
+        OptionError: the rate is not > 0, or makes more than a million samples.
+    """
+    number = as_number(rate)
+    if not 0 < number < math.inf:
+        raise OptionError(f"rate is {rate!r} Hz, it must be a finite number > 0")
+    if duration * number > MOST_SAMPLES:
+        raise OptionError(
+            f"rate is {rate:g} Hz, which makes {duration * number:.3g} samples; "
+            f"it must be <= {MOST_SAMPLES / duration:g} Hz"
+        )
+    return np.linspace(0.0, duration, max(LEAST_SAMPLES, math.ceil(duration * number) + 1))
+
+
+def _sizing(motion: Motion, i: int) -> Sizing:
+    drive = motion.rig.drives[i]
+    part = motion.rig.driven(drive)
+    radius = part.drum_radius if isinstance(part, Rope) else 1.0
+    inputs, speeds = motion.inputs[:, i], motion.drive_velocities[:, i] / radius
+    power = inputs * speeds
+    peak = int(np.abs(inputs).argmax())
+    return Sizing(
+        drive=drive.name,
+        unit=driven_unit(motion.rig, drive),
+        limit=drive.limit,
+        largest=float(abs(inputs[peak])),
+        when=float(motion.times[peak]),
+        rms=float(np.sqrt(np.mean(inputs**2))),
+        speed=float(np.abs(speeds).max()),
+        power=float(power.max(initial=0.0)),
+        braking=float(-power.min(initial=0.0)),
+    )
+
+
+def _off_rails(motion: Motion) -> list[str]:
+    """A sentence for each trolley that leaves its rail, at its furthest place."""
+    found = []
+    for trolley in motion.rig.trolleys:
+        rail = motion.rig.rail(trolley.rail)
+        place = motion.positions[:, motion.column(trolley.coordinate)]
+        beyond = np.maximum(rail.start - place, place - rail.end)
+        i = int(beyond.argmax())
+        if beyond[i] > RAIL_TOLERANCE:
+            found.append(
+                f"{trolley.name} would be at {place[i]:.4g} m at {motion.times[i]:.4g} s, "
+                f"rail {rail.name} goes from {rail.start:g} m to {rail.end:g} m"
+            )
+    return found
+
+
+def _slack_at_rest(motion: Motion) -> list[str]:
+    """A sentence for each rope that has to push even at rest: then no duration helps."""
+    return [
+        f"rope {rope} would have to push at rest at the {end} ({tension:.4g} N), however long "
+        "the move takes"
+        for end, sample in (("start", 0), ("goal", -1))
+        for rope, tension in zip(motion.rig.rope_names, motion.tensions[sample], strict=True)
+        if tension < -TAUT * motion.rig.weight
+    ]

@@ -1,0 +1,230 @@
+"""How far a move keeps from what stands around: spheres and boxes.
+
+    tank = Sphere("tank", centre=(2.5, 0, -4), radius=0.8)
+    hall = Box("hall", low=(3, -2, -8), high=(6, 2, -4.5))
+    nearest = clearance(rig, reference, (tank, hall), load_radius=0.5)
+    nearest.distance, nearest.time, nearest.part, nearest.obstacle      # all in [m] and [s]
+
+The load and platforms count as spheres of radius `load_radius` around their points, ropes as
+straight segments without thickness from point to point of their path.  A distance is exact at each
+sample, negative inside an obstacle, and the smallest is sought between the samples, too.
+
+Limits: trolleys, girders and booms are not looked at, obstacles do not move, and an obstacle much
+smaller than the way from sample to sample can be passed unseen: raise `rate`.  A planar rig moves
+in the plane y = 0.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ...models.errors import PathError
+from ...models.rig.rig import Load, Platform, Rig
+from ..checks import FloatArray, as_number, check_point
+from ..exact.assembly import equations_of
+from ..exact.equations import redundant
+from ..exact.inverse import solve
+from ..exact.motion import Motion
+from ..paths.reference import Reference
+from .feasibility import instants
+
+REFINEMENTS = 3
+"""The smallest distance is sought anew between the samples beside it, so many times."""
+BETWEEN = 65
+"""Samples each time."""
+GOLDEN = 0.5 * (3.0 - 5.0**0.5)
+SECTIONS = 60
+"""Golden sections of a rope span, which leave a 1e-12 of it."""
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A ball that nothing may touch.
+
+    Raises:
+        PathError: the centre is not three finite numbers, or the radius not >= 0.
+    """
+
+    name: str
+    centre: tuple[float, float, float]
+    """[m]"""
+    radius: float
+    """[m]"""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "centre", _three(f"centre of {self.name}", self.centre))
+        _check_radius(f"radius of {self.name}", self.radius)
+
+    def distance(self, points: FloatArray) -> FloatArray:
+        """From points (..., 3) to the surface [m], negative inside; shape (...)."""
+        return np.asarray(np.linalg.norm(points - self.centre, axis=-1) - self.radius)
+
+    def segment_distance(self, begin: FloatArray, end: FloatArray) -> FloatArray:
+        """Smallest distance of the segments from `begin` to `end` (N, 3), shape (N,)."""
+        along = end - begin
+        square = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
+        share = ((np.array(self.centre) - begin) * along).sum(axis=1) / square
+        return self.distance(begin + np.clip(share, 0.0, 1.0)[:, None] * along)
+
+
+@dataclass(frozen=True)
+class Box:
+    """A box along the axes that nothing may touch.
+
+    Raises:
+        PathError: a corner is not three finite numbers, or `low` is not below `high`.
+    """
+
+    name: str
+    low: tuple[float, float, float]
+    """The corner of the smallest coordinates [m]."""
+    high: tuple[float, float, float]
+    """The corner of the largest [m]."""
+
+    def __post_init__(self) -> None:
+        for end in ("low", "high"):
+            object.__setattr__(self, end, _three(f"{end} of {self.name}", getattr(self, end)))
+        if any(a > b for a, b in zip(self.low, self.high, strict=True)):
+            raise PathError(
+                f"low of {self.name} is {self.low}, it must not be above high, {self.high}"
+            )
+
+    def distance(self, points: FloatArray) -> FloatArray:
+        """From points (..., 3) to the surface [m], negative inside; shape (...)."""
+        beyond = np.maximum(np.array(self.low) - points, points - self.high)
+        outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
+        return np.asarray(outside + np.minimum(beyond.max(axis=-1), 0.0))
+
+    def segment_distance(self, begin: FloatArray, end: FloatArray) -> FloatArray:
+        """Smallest distance of the segments from `begin` to `end` (N, 3), shape (N,).
+
+        The distance from a convex body is convex along a segment: golden sections find the least.
+        """
+
+        def at(share: FloatArray) -> FloatArray:
+            return self.distance(begin + share[:, None] * (end - begin))
+
+        left, right = np.zeros(len(begin)), np.ones(len(begin))
+        for _ in range(SECTIONS):
+            width = right - left
+            first, second = left + GOLDEN * width, right - GOLDEN * width
+            nearer = at(first) < at(second)
+            left, right = np.where(nearer, left, first), np.where(nearer, second, right)
+        return np.minimum(at(0.5 * (left + right)), np.minimum(at(left * 0.0), at(left * 0.0 + 1)))
+
+
+Obstacle = Sphere | Box
+
+
+@dataclass(frozen=True)
+class Clearance:
+    """The closest that a move comes to an obstacle."""
+
+    distance: float
+    """[m], negative where they overlap."""
+    time: float
+    """[s]"""
+    part: str
+    """The load, platform or "rope NAME" that is closest."""
+    obstacle: str
+    """Name of the obstacle."""
+
+    @property
+    def clear(self) -> bool:
+        """Whether nothing is touched."""
+        return self.distance > 0
+
+    def __str__(self) -> str:
+        relation = f"{self.distance:.4g} m from" if self.clear else f"{-self.distance:.4g} m inside"
+        return f"{self.part} is {relation} {self.obstacle} at {self.time:.4g} s"
+
+
+def clearance(
+    rig: Rig,
+    reference: Reference,
+    obstacles: Sequence[Obstacle],
+    *,
+    load_radius: float = 0.0,
+    ropes: bool = True,
+    rate: float = 200.0,
+) -> Clearance:
+    """The smallest distance that the load, and the ropes too, keep from obstacles on a move.
+
+    Args:
+        rig: a flat rig.
+        reference: path of its outputs, which it can follow.
+        obstacles: one or more.
+        load_radius: of the loads and platforms [m].
+        ropes: whether ropes count.
+        rate: samples per second, between which the smallest distance is then refined [Hz].
+
+    Raises:
+        PathError: there is no obstacle, the radius is not >= 0, or as `solve`.
+        RigError, SmoothnessError: as `solve`.
+        OptionError: the rate is not > 0, or makes more than a million samples.
+    """
+    if not obstacles:
+        raise PathError("there is no obstacle to keep clear of")
+    _check_radius("load_radius", load_radius)
+    times = instants(reference.duration, rate)
+    step = times[1] - times[0]
+    nearest = Clearance(math.inf, 0.0, "", "")
+    for _ in range(1 + REFINEMENTS):
+        motion = solve(rig, reference, times)
+        found = _closest(motion, obstacles, float(load_radius), ropes)
+        nearest = min(nearest, found, key=lambda one: one.distance)
+        times = np.linspace(nearest.time - step, nearest.time + step, BETWEEN)
+        times = np.clip(times, 0.0, reference.duration)
+        step = 2.0 * step / (BETWEEN - 1)
+    return nearest
+
+
+def _closest(
+    motion: Motion, obstacles: Sequence[Obstacle], load_radius: float, ropes: bool
+) -> Clearance:
+    """The smallest distance at the samples of a motion."""
+    places = _places(motion)
+    hanging: tuple[Load | Platform, ...] = (*motion.rig.loads, *motion.rig.platforms)
+    found = []
+    for obstacle in obstacles:
+        for load in hanging:
+            gaps = obstacle.distance(places[load.name]) - load_radius
+            found.append((gaps, load.name, obstacle.name))
+        for rope in motion.rig.ropes if ropes else ():
+            for a, b in pairwise(rope.path):
+                gaps = obstacle.segment_distance(places[a], places[b])
+                found.append((gaps, f"rope {rope.name}", obstacle.name))
+    gaps, part, name = min(found, key=lambda one: float(one[0].min()))
+    i = int(gaps.argmin())
+    return Clearance(float(gaps[i]), float(motion.times[i]), part, name)
+
+
+def _places(motion: Motion) -> dict[str, FloatArray]:
+    """Where every anchor and mass is, (N, 3) each."""
+    rig, equations = motion.rig, equations_of(motion.rig)
+    columns = {name: motion.column(name) for name in rig.coordinate_names}
+    values = {name: motion.positions[:, i] for name, i in columns.items()}
+    rates = {name: motion.velocities[:, i] for name, i in columns.items()}
+    state, _ = redundant(equations, values, rates)
+    extended = np.column_stack((state, np.ones(len(state))))
+    return {name: extended @ rows.T for name, rows in equations.points.items()}
+
+
+def _three(name: str, point: object) -> tuple[float, float, float]:
+    """A point in space.
+
+    Raises:
+        PathError: it is something else.
+    """
+    values = check_point(name, point)
+    if len(values) != 3:
+        raise PathError(f"{name} is {values}, it must be (x, y, z)")
+    return values
+
+
+def _check_radius(name: str, radius: object) -> None:
+    if not 0 <= as_number(radius) < math.inf:
+        raise PathError(f"{name} is {radius!r}, it must be a finite number >= 0 [m]")

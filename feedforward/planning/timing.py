@@ -1,0 +1,217 @@
+"""Time scaling: the shortest duration in which a rig can make a move.
+
+    scaled(reference, 4.0)                                  # the same path in 4 s
+    best = shortest_duration(rig, reference, margin=50.0, share=0.9)
+    best.duration, best.limited_by, best.when               # [s], such as "rope hoist", [s]
+    check(rig, best.reference).feasible                     # True
+
+A move is within its bounds if the rig can follow it, every rope keeps a tension of at least
+`margin`, and every input stays within `share` of its drive's limit.  Slow moves are like standing
+still: the search begins at four times the given duration, or four times that and so on until it is
+within the bounds, comes down in steps of 8 percent to the first one that is not, and halves that
+interval.
+
+Limits: a move need not get easier with every second it is given.  The returned duration is within
+the bounds, verified at ten times the samples of the search; that all longer ones are as well is
+only known on the grid of the search, up to where it began.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...models.errors import OptionError, PathError, SmoothnessError
+from ...models.rig.rig import Rig
+from ..checks import FloatArray, as_number, check_derivative, check_duration, check_times
+from ..exact.inverse import solve
+from ..paths.reference import OfPath, Reference
+from .feasibility import TAUT, driven_unit
+
+SAMPLES, FINE = 501, 5001
+"""Samples along a move in the search, and to verify what it found."""
+LONGER, TRIES = 4.0, 5
+"""The search begins at so many times the given duration, and takes as many times more, so often."""
+STEP = 2.0 ** (-1.0 / 8.0)
+"""From one duration of the grid to the next."""
+PRECISION = 1e-4
+"""Relative, of the result."""
+
+
+@dataclass(frozen=True)
+class Scaled(OfPath):
+    """A path that another one takes, in another time.
+
+    Raises:
+        PathError: the duration is not from 1e-6 s to 1e9 s.
+    """
+
+    path: Reference
+    duration: float
+    """[s]"""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "duration", check_duration(self.duration))
+
+    @property
+    def order(self) -> int:
+        """Number of continuous derivatives."""
+        return self.path.order
+
+    def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
+        """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size)."""
+        order = check_derivative(order)
+        pace = self.path.duration / self.duration
+        times = check_times(times)
+        # The end exactly, whatever the product rounds to.
+        before = np.where(times == self.duration, self.path.duration, times * pace)
+        result = self.path.derivatives(before, order)
+        return np.asarray(result * (pace ** np.arange(order + 1.0))[:, None, None])
+
+
+def scaled(reference: Reference, duration: float) -> Scaled:
+    """The same path in another time, as smooth as before.
+
+    Raises:
+        PathError: the duration is not from 1e-6 s to 1e9 s.
+    """
+    return Scaled(reference, duration)
+
+
+@dataclass(frozen=True, eq=False)
+class Shortest:
+    """The shortest duration found, and what forbids a shorter one."""
+
+    duration: float
+    """[s]"""
+    reference: Reference
+    """The path in that time."""
+    limited_by: str
+    """What leaves its bounds in less time: "rope NAME", "drive NAME" or "the workspace"."""
+    when: float
+    """At what time of the move [s]."""
+
+
+class _Tightest(NamedTuple):
+    """What is nearest to its bound, or furthest beyond."""
+
+    spare: float
+    """Relative to the rig's weight or the input's bound."""
+    name: str
+    when: float
+    """[s]"""
+    reason: str
+
+
+@dataclass(frozen=True)
+class _Bounds:
+    rig: Rig
+    path: Callable[[float], Reference]
+    margin: float
+    share: float
+    samples: int = SAMPLES
+
+    def tightest(self, duration: float) -> _Tightest:
+        """What decides about a move of this duration."""
+        times = np.linspace(0.0, duration, self.samples)
+        try:
+            motion = solve(self.rig, self.path(duration), times)
+        except SmoothnessError:
+            raise
+        except PathError as error:
+            return _Tightest(-math.inf, "the workspace", 0.0, str(error))
+        found = []
+        for rope, tensions in zip(self.rig.rope_names, motion.tensions.T, strict=True):
+            i = int(tensions.argmin())
+            reason = f"the tension of rope {rope} is {tensions[i]:.4g} N at {times[i]:.4g} s"
+            spare = (tensions[i] - self.margin) / self.rig.weight
+            found.append(_Tightest(float(spare), f"rope {rope}", float(times[i]), reason))
+        for drive, inputs in zip(self.rig.drives, np.abs(motion.inputs.T), strict=True):
+            i = int(inputs.argmax())
+            needs = f"{inputs[i]:.4g} {driven_unit(self.rig, drive)}"
+            reason = f"drive {drive.name} needs {needs} at {times[i]:.4g} s"
+            spare = 1.0 - inputs[i] / (self.share * drive.limit)
+            found.append(_Tightest(float(spare), f"drive {drive.name}", float(times[i]), reason))
+        return min(found)
+
+    def hold(self, duration: float) -> bool:
+        """Whether a move of this duration is within the bounds, up to rounding."""
+        return self.tightest(duration).spare >= -TAUT
+
+
+def shortest_duration(
+    rig: Rig,
+    path: Reference | Callable[[float], Reference],
+    *,
+    margin: float = 0.0,
+    share: float = 1.0,
+) -> Shortest:
+    """The shortest duration for which ropes stay taut and drives within their limits.
+
+    Args:
+        rig: a flat rig.
+        path: a path, which is then `scaled`, or a function that makes one of each duration [s].
+        margin: lowest tension allowed in any rope [N].
+        share: largest part of each drive's limit allowed, above 0 and at most 1.
+
+    Raises:
+        RigError: the rig is not flat.
+        SmoothnessError: the path is not smooth enough, in whatever time.
+        PathError: no duration is within the bounds, and the message says what is in the way.
+        OptionError: margin or share is out of range.
+    """
+    if not math.isfinite(as_number(margin)):
+        raise OptionError(f"margin is {margin!r}, it must be a finite number [N]")
+    if not 0 < as_number(share) <= 1:
+        raise OptionError(f"share is {share!r}, it must be above 0 and at most 1")
+    start, make = _family(path)
+    bounds = _Bounds(rig, make, float(margin), float(share))
+    finer = replace(bounds, samples=FINE)
+    good, bad = _boundary(bounds, start)
+    if not finer.hold(good):  # something narrow lies between the samples
+        good, bad = _boundary(finer, start)
+    limit = finer.tightest(bad)
+    return Shortest(good, make(good), limit.name, limit.when)
+
+
+def _family(
+    path: Reference | Callable[[float], Reference],
+) -> tuple[float, Callable[[float], Reference]]:
+    """A duration to start from, and the path of each duration."""
+    if hasattr(path, "derivatives"):
+        reference = cast(Reference, path)
+        return reference.duration, lambda duration: scaled(reference, duration)
+    return 1.0, path
+
+
+def _boundary(bounds: _Bounds, start: float) -> tuple[float, float]:
+    """A duration within the bounds and a slightly shorter one that is not.
+
+    All longer durations of the grid are within the bounds.
+
+    Raises:
+        PathError: no duration is.
+    """
+    good = start
+    for _ in range(TRIES):
+        good *= LONGER
+        if bounds.hold(good):
+            break
+    else:
+        raise PathError(
+            f"rig {bounds.rig.name} cannot make this move within its bounds, even in {good:.4g} s: "
+            f"{bounds.tightest(good).reason}"
+        )
+    while bounds.hold(good * STEP):
+        good *= STEP
+    bad = good * STEP
+    while good - bad > PRECISION * good:
+        middle = 0.5 * (good + bad)
+        if bounds.hold(middle):
+            good = middle
+        else:
+            bad = middle
+    return good * (1.0 + PRECISION), bad

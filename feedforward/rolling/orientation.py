@@ -1,0 +1,76 @@
+"""How an object turns from one orientation to another: by RPY angles, or about one axis.
+
+A path gives its rotation as a Taylor series in time; that is regular everywhere, also where the
+RPY angles are not.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from ...models.hand.move import HandMove
+from ..series.products import ORDERS, about_axis, between, matmul, rotation_of, rpy_matrix, share
+
+Array = NDArray[np.float64]
+Axes = tuple[tuple[float, ...], ...]
+"""Rows of a rotation, hashable."""
+
+
+class Turning(Protocol):
+    """A path of orientations from rest to rest."""
+
+    @property
+    def note(self) -> str:
+        """What the path did beyond its recipe; empty if nothing."""
+
+    def rotation(self, times: Array) -> Array:
+        """Taylor series of the rotation, shape (ORDERS, N, 3, 3)."""
+
+
+@dataclass(frozen=True)
+class ByAngles:
+    """RPY angles from rest to rest on one polynomial (K 2.102)."""
+
+    move: HandMove
+    note: str = ""
+
+    def rotation(self, times: Array) -> Array:
+        """See `Turning`."""
+        part = share(times, self.move.duration, self.move.order)
+        return rpy_matrix(between(np.array(self.move.start), np.array(self.move.goal), part))
+
+
+@dataclass(frozen=True)
+class AboutAxis:
+    """A turn about one axis fixed in space, the shortest way in space, as given in the plane."""
+
+    move: HandMove
+    note: str = ""
+
+    @cached_property
+    def vector(self) -> Array:
+        """Axis times angle, (3,)."""
+        if len(self.move.goal) == 1:
+            return np.array([0.0, self.move.start[0] - self.move.goal[0], 0.0])
+        turn = rotation_of(self.move.goal) @ rotation_of(self.move.start).T
+        return np.asarray(Rotation.from_matrix(turn).as_rotvec())
+
+    def turned(self, times: Array, factor: float) -> Array:
+        """Rotation about the same axis by `factor` times the angle, (ORDERS, N, 3, 3)."""
+        part = share(times, self.move.duration, self.move.order)
+        return about_axis(factor * self.vector, part)
+
+    def rotation(self, times: Array) -> Array:
+        """See `Turning`."""
+        return self.turned(times, 1.0) @ rotation_of(self.move.start)
+
+
+def turned_by(rotation: Array, constant: Array) -> Array:
+    """Series of a rotation times a constant one."""
+    series = np.zeros((ORDERS, 1, 3, 3))
+    series[0] = constant
+    return matmul(rotation, series)

@@ -1,0 +1,1 @@
+"""Taylor series in time, of products and of rotations."""

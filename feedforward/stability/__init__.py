@@ -1,0 +1,1 @@
+"""Kiss's proof of stability as numbers: the energy W, its regulator, and rivals."""

@@ -1,0 +1,252 @@
+"""What a rolling-contact hand is: fingers that hold a round object, as plain data in SI units.
+
+    tip = Tip(radius=0.02, axes=((1, 0, 0), (0, 1, 0)))
+    finger = Finger("thumb", tip, contact=(-0.6, 0.35, -0.7))
+    hand = Hand("mine", HeldObject("sphere", radius=0.1, mass=0.2), (finger, ...), friction=0.8)
+
+Every finger ends in a flat plate or a spherical tip and moves along slides; a plate never turns,
+a tip is fixed or turned about axes that do not turn with it (K 2.1.7).  The object is a sphere,
+or in a planar hand a disc in the vertical plane y = 0.  Contacts are points: they transmit forces
+and no moments.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ..errors import RigError, did_you_mean
+from ..values import Vector, number, sequence, vector, word
+
+EVERY_WAY: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+"""Slides of a finger that moves in space."""
+IN_PLANE: tuple[Vector, ...] = (EVERY_WAY[0], EVERY_WAY[2])
+"""Slides of a finger of a planar hand."""
+TAKEN = ("object", "world", "floor")
+"""Names that no finger can have, since models give them to other things."""
+SOLID = {"sphere": 0.4, "disc": 0.5}
+"""Moment of inertia over mass times squared radius, about the axis it turns about."""
+
+
+def _positive(label: str, value: object, *, endless: bool = False) -> float:
+    plain = number(label, value, endless=endless)
+    if plain <= 0.0:
+        raise RigError(f"{label} is {plain:g}, it must be > 0")
+    return plain
+
+
+def unit(label: str, value: object) -> Vector:
+    """The direction of a vector.
+
+    Raises:
+        RigError: it is not three finite numbers, or zero.
+    """
+    x, y, z = vector(label, value)
+    length = math.hypot(x, y, z)
+    if length == 0.0:
+        raise RigError(f"{label} is (0, 0, 0), it must point somewhere")
+    return (x / length, y / length, z / length)
+
+
+def _directions(label: str, values: object) -> tuple[Vector, ...]:
+    """Unit vectors that are perpendicular to each other."""
+    found = tuple(unit(label, one) for one in sequence(label, values))
+    if found and np.abs(np.array(found) @ np.array(found).T - np.eye(len(found))).max() > 1e-9:
+        raise RigError(f"{label} are {found}, they must be perpendicular")
+    return found
+
+
+def _name(label: str, value: object) -> str:
+    """A plain word, as a name in a rig."""
+    plain = word(label, value)
+    if not plain.replace("_", "a").replace("-", "a").isalnum():
+        raise RigError(f"{label} is {plain!r}, it must be letters, digits, '-' and '_' only")
+    if plain in TAKEN:
+        raise RigError(f"{label} is {plain!r}, which is taken; choose another")
+    return plain
+
+
+@dataclass(frozen=True)
+class HeldObject:
+    """The manipulated object: a homogeneous sphere or disc unless `inertia` says otherwise.
+
+    Raises:
+        RigError: the shape is unknown, or a number is not positive.
+    """
+
+    shape: Literal["sphere", "disc"]
+    radius: float
+    """[m]"""
+    mass: float
+    """[kg]"""
+    inertia: float = 0.0
+    """About every axis of a sphere, or the disc's axis [kg m2]; 0 means homogeneous."""
+
+    def __post_init__(self) -> None:
+        if word("object: shape", self.shape) not in SOLID:
+            raise RigError(f"object: shape is {self.shape!r}{did_you_mean(self.shape, SOLID)}")
+        for name in ("radius", "mass"):
+            object.__setattr__(self, name, _positive(f"object: {name}", getattr(self, name)))
+        solid = SOLID[self.shape] * self.mass * self.radius**2
+        inertia = number("object: inertia", self.inertia)
+        object.__setattr__(self, "inertia", _positive("object: inertia", inertia or solid))
+
+
+@dataclass(frozen=True)
+class Plate:
+    """A flat fingertip, round about its finger's position.
+
+    Raises:
+        RigError: the normal is zero, or the radius is not positive.
+    """
+
+    normal: Vector
+    """Towards the object, made a unit vector."""
+    radius: float = math.inf
+    """How far from its middle the plate reaches [m]."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "normal", unit("plate: normal", self.normal))
+        radius = _positive("plate: radius", self.radius, endless=True)
+        object.__setattr__(self, "radius", radius)
+
+
+@dataclass(frozen=True)
+class Tip:
+    """A spherical fingertip about its finger's position.
+
+    Raises:
+        RigError: a number is not positive, or the axes are not perpendicular.
+    """
+
+    radius: float
+    """[m]"""
+    axes: tuple[Vector, ...] = ()
+    """What motors turn it about; perpendicular axes fixed in space, as rollers on a trackball's
+    are.  None for a fixed tip, two as K's (2.1.7), three for any turn."""
+    inertia: float = 1e-5
+    """Of the tip with its motors about any axis [kg m2]."""
+    reach: float = math.pi
+    """Of a fixed tip: largest angle from its contact at home to any contact [rad]."""
+    torque_limit: float = 1.0
+    """Of each motor [N m]."""
+
+    def __post_init__(self) -> None:
+        for name in ("radius", "inertia", "reach", "torque_limit"):
+            object.__setattr__(self, name, _positive(f"tip: {name}", getattr(self, name)))
+        object.__setattr__(self, "axes", _directions("tip: axes", self.axes))
+        if len(self.axes) == 1:
+            raise RigError("tip: axes has one axis, a tip needs none, two or three")
+
+
+@dataclass(frozen=True)
+class Finger:
+    """A finger that moves along slides and ends in a plate or a spherical tip.
+
+    Raises:
+        RigError: a field has a value that it cannot have.
+    """
+
+    name: str
+    surface: Plate | Tip
+    contact: Vector = (0.0, 0.0, 0.0)
+    """Of a tip: from the object's centre to the contact at home, made a unit vector; a plate's is
+    set to minus its normal."""
+    slides: tuple[Vector, ...] = EVERY_WAY
+    """Perpendicular directions of its slides, one motor each, made unit vectors."""
+    masses: tuple[float, ...] = ()
+    """What each slide moves [kg]; 0.1 kg each if left out."""
+    force_limit: float = 50.0
+    """Of each slide's motor [N]."""
+
+    def __post_init__(self) -> None:
+        label = f"finger {_name('finger: name', self.name)}"
+        if not isinstance(self.surface, Plate | Tip):
+            raise RigError(f"{label}: surface is {self.surface!r}, it must be a Plate or a Tip")
+        if isinstance(self.surface, Plate):
+            x, y, z = self.surface.normal
+            object.__setattr__(self, "contact", (-x, -y, -z))
+        object.__setattr__(self, "contact", unit(f"{label}: contact", self.contact))
+        slides = _directions(f"{label}: slides", self.slides)
+        given = sequence(f"{label}: masses", self.masses) or (0.1,) * len(slides)
+        masses = tuple(_positive(f"{label}: masses", one) for one in given)
+        if len(masses) != len(slides) or not slides:
+            raise RigError(f"{label} has {len(slides)} slides and {len(masses)} masses")
+        limit = _positive(f"{label}: force_limit", self.force_limit)
+        for name, value in (("slides", slides), ("masses", masses), ("force_limit", limit)):
+            object.__setattr__(self, name, value)
+
+
+@dataclass(frozen=True)
+class Hand:
+    """Fingers about an object, and where they hold it at home: upright at `position`.
+
+    Raises:
+        RigError: the parts do not fit together; the message names the finger.
+    """
+
+    name: str
+    held: HeldObject
+    fingers: tuple[Finger, ...]
+    friction: float = 1.0
+    """Coulomb's coefficient at every contact."""
+    planar: bool = False
+    """Whether all moves in the plane y = 0."""
+    spin: bool = True
+    """Whether the object may spin about the normal common to all contacts (K 2.14)."""
+    position: Vector = (0.0, 0.0, 0.0)
+    """Of the object's centre at home [m]."""
+    gravity: Vector = (0.0, 0.0, -9.81)
+    """[m/s2]"""
+
+    def __post_init__(self) -> None:
+        _name("hand: name", self.name)
+        if not isinstance(self.held, HeldObject):
+            raise RigError(f"hand {self.name}: held is {self.held!r}, it must be a HeldObject")
+        for name in ("planar", "spin"):
+            if not isinstance(given := getattr(self, name), bool):
+                raise RigError(f"hand {self.name}: {name} is {given!r}, it must be True or False")
+        fingers = sequence(f"hand {self.name}: fingers", self.fingers)
+        if not fingers or not all(isinstance(one, Finger) for one in fingers):
+            raise RigError(f"hand {self.name}: fingers must be one Finger or more")
+        object.__setattr__(self, "fingers", fingers)
+        friction = _positive(f"hand {self.name}: friction", self.friction)
+        object.__setattr__(self, "friction", friction)
+        for name in ("position", "gravity"):
+            object.__setattr__(self, name, vector(f"hand {self.name}: {name}", getattr(self, name)))
+        if len(set(self.finger_names)) < len(fingers):
+            raise RigError(f"hand {self.name}: fingers {self.finger_names} must differ in name")
+        if (self.held.shape == "disc") != self.planar:
+            raise RigError(f"hand {self.name}: a disc needs a planar hand, a sphere one in space")
+        for finger in fingers:
+            self._check(finger)
+
+    def _check(self, finger: Finger) -> None:
+        label = f"hand {self.name}: finger {finger.name}"
+        plane = (*finger.slides, finger.contact)
+        if self.planar and any(abs(direction[1]) > 1e-9 for direction in plane):
+            raise RigError(f"{label} must slide and touch in the plane y = 0 of a planar hand")
+        needed = 2 if self.planar else 3
+        if isinstance(finger.surface, Tip) and len(finger.slides) < needed:
+            raise RigError(
+                f"{label} has a round tip and {len(finger.slides)} slides, it needs {needed}"
+            )
+        if self.planar and isinstance(finger.surface, Tip) and finger.surface.axes:
+            raise RigError(f"{label} has a turning tip, a planar hand's are fixed")
+
+    @property
+    def finger_names(self) -> tuple[str, ...]:
+        """In the order of all arrays."""
+        return tuple(finger.name for finger in self.fingers)
+
+    def finger(self, name: str) -> Finger:
+        """A finger by its name.
+
+        Raises:
+            RigError: there is none of that name.
+        """
+        if name not in self.finger_names:
+            known = did_you_mean(name, self.finger_names)
+            raise RigError(f"hand {self.name} has no finger {name!r}{known}")
+        return self.fingers[self.finger_names.index(name)]

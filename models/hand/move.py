@@ -1,0 +1,81 @@
+"""What a hand is asked to do with its object: bring it from one pose to another.
+
+HandMove(goal=(pi / 4, 0, pi / 3), start=(pi / 3, pi / 4, 0), duration=10, turning="rolling")
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ..errors import RigError, did_you_mean
+from ..values import Vector, number, sequence, vector, word
+
+TURNINGS = {
+    "rpy": "RPY angles from rest to rest, everything else integrated",
+    "axis": "about one fixed axis, the shortest way",
+    "rolling": "without spin: psi a cubic in theta (K 2.105 to 2.108)",
+    "spinning": "by the flat output of K's proposition 5, contact points prescribed too",
+}
+
+
+def _pairs(label: str, values: object) -> tuple[tuple[float, float], ...]:
+    found = []
+    for one in sequence(label, values):
+        pair = sequence(label, one)
+        if len(pair) != 2:
+            raise RigError(f"{label} has {len(pair)} numbers for one contact, it needs 2")
+        found.append((number(label, pair[0]), number(label, pair[1])))
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class HandMove:
+    """From rest in one pose to rest in another.
+
+    Orientations are RPY angles (phi, theta, psi), Rz(phi) Ry(theta) Rx(psi) (K 2.15), or the one
+    angle of a planar hand, positive from x to z.
+
+    Raises:
+        RigError: a field has a value that it cannot have.
+    """
+
+    goal: tuple[float, ...]
+    """Orientation at the end [rad]."""
+    start: tuple[float, ...] = ()
+    """Orientation at the beginning [rad]; upright if left out."""
+    duration: float = 1.0
+    """[s]"""
+    turning: Literal["rpy", "axis", "rolling", "spinning"] = "rpy"
+    """How the orientation goes from one to the other, see `TURNINGS`."""
+    order: int = 4
+    """Number of continuous derivatives; forces need two."""
+    shift: Vector = (0.0, 0.0, 0.0)
+    """By how much the object's centre moves [m], not in ways that rolling decides itself."""
+    touch: tuple[float, float] | None = None
+    """Where the contact on the first finger's plate is to end, in the plate's x and y [m]; for
+    "spinning" only.  It begins in the plate's middle."""
+    contacts: tuple[tuple[float, float], ...] = ()
+    """Of turning tips: (azimuth, latitude) of each finger's contact on the object at the end
+    [rad], in the object's axes (K 2.109)."""
+    start_contacts: tuple[tuple[float, float], ...] = ()
+    """The same at the beginning; the hand's contacts at home if left out."""
+
+    def __post_init__(self) -> None:
+        for name in ("goal", "start"):
+            values = sequence(f"move: {name}", getattr(self, name))
+            angles = tuple(number(f"move: {name}", one) for one in values)
+            if len(angles) not in ((1, 3) if name == "goal" else (0, 1, 3)):
+                raise RigError(f"move: {name} has {len(angles)} angles, it needs 3, or 1 in plane")
+            object.__setattr__(self, name, angles)
+        if not self.start:
+            object.__setattr__(self, "start", (0.0,) * len(self.goal))
+        if len(self.start) != len(self.goal):
+            raise RigError(f"move: start has {len(self.start)} angles and goal {len(self.goal)}")
+        if word("move: turning", self.turning) not in TURNINGS:
+            known = did_you_mean(self.turning, TURNINGS)
+            raise RigError(f"move: turning is {self.turning!r}{known}")
+        object.__setattr__(self, "duration", number("move: duration", self.duration))
+        object.__setattr__(self, "shift", vector("move: shift", self.shift))
+        if self.touch is not None:
+            object.__setattr__(self, "touch", _pairs("move: touch", (self.touch,))[0])
+        for name in ("contacts", "start_contacts"):
+            object.__setattr__(self, name, _pairs(f"move: {name}", getattr(self, name)))

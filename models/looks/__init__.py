@@ -1,0 +1,1 @@
+"""What rigs and hands look like in MuJoCo, made only where somebody looks."""

@@ -1,0 +1,285 @@
+"""The MuJoCo model of a rig.
+
+    model = mjcf.compile(models.rotary_crane())
+
+A rope with its winch becomes a spatial tendon with `armature` J/r^2 and a motor on the tendon
+with gear 1/r: the sources' equations exactly, without a constraint.  A turning frame is a hinge
+with the frame's inertia as joint armature, a sliding frame and a trolley are a mass on a slide, a
+load is a point mass on two or three slides, a platform a rigid body on three slides and three
+hinges (`flatrig.models.rig.chain` says on which body).  A sheave with inertia adds a second tendon
+along the rest of its rope, whose rate is the rope's speed over the sheave.  A rope's last span
+counts as often as it has falls.  Inputs are not clipped; rails do not end; ropes never go slack,
+they push instead: whoever steps the model looks at `flatrig.models.mjcf.rig_state.tensions`.
+Ropes that stretch, or do go slack, are another choice: `flatrig.models.mjcf.ropes`.
+
+A load without mass, such as the ideal free pulley, cannot be a body of MuJoCo: `massless` is the
+mass that stands in for it, without weight.  The model is then a limit: a load's error falls in
+proportion to that mass, as long as the time step resolves the pulley's faster motion (1e-4 kg at
+1 ms for the Navy cranes; 1e-6 kg diverges).
+
+Names: bodies as the parts, joints as the coordinates ("bridge.angle", "load.x": a load's count
+from the body above), sites as the points, tendons as the ropes, actuators as the drives; cameras
+"overview" and "side", keyframe "home" with the inputs that hold it.
+"""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ModelError, did_you_mean
+from ..looks import dressing
+from ..looks import scene as looks
+from ..rig.chain import Link, Part, links
+from ..rig.rig import WORLD, Frame, Platform, Rig, Trolley
+from . import rigging, spools
+from .armature import check, tendon_jacobian
+from .rig_state import State, coordinates, joint_state, paid_out, points, tensions
+from .ropes import Ropes, chosen, stretch_of, stretches
+
+__all__ = [
+    "INTEGRATORS",
+    "Ropes",
+    "State",
+    "check",
+    "compile",
+    "coordinates",
+    "joint_state",
+    "paid_out",
+    "points",
+    "spec",
+    "tensions",
+]
+
+Array = NDArray[np.float64]
+
+INTEGRATORS = {
+    name.removeprefix("mjINT_"): value for name, value in mujoco.mjtIntegrator.__members__.items()
+}
+"""Integrators by name.  Only RK4 lands a crane's open-loop move (1e-6 m at 1 ms; others 1e-3 m)."""
+
+POINT_INERTIA = 1e-12
+"""Principal moments of inertia of a point mass [kg m2]; MuJoCo needs some."""
+
+LARGEST_SHARE = 0.1
+"""Largest mass that may stand in for none, over that of all loads."""
+
+MEMORY = (65536, 1024)
+"""Scratch memory of the bare physics [bytes], and for each square of its degrees of freedom: ten
+times what it takes with all constraints on, and a hundredth of what MuJoCo would reserve."""
+
+TIMESTEPS = (1e-12, 1e9)
+"""Shortest and longest step [s] whose powers stay far from overflow."""
+
+FRAME_MASS = 1e-9
+"""Mass of a turning frame's body [kg], whose inertia is its joint's armature."""
+
+
+def compile(
+    rig: Rig,
+    *,
+    timestep: float = 1e-3,
+    integrator: str = "RK4",
+    visuals: bool = True,
+    friction: bool = False,
+    massless: float | None = None,
+    ropes: str | Ropes = "rigid",
+) -> mujoco.MjModel:
+    """The rig's MuJoCo model, checked for dropped inertia.
+
+    Parameters
+    ----------
+    rig
+        The description.
+    timestep
+        Of the simulation [s].
+    integrator
+        One of `INTEGRATORS`.
+    visuals
+        The scene for people: looks, cameras, sensors.  False leaves the bare physics.
+    friction
+        Leave MuJoCo's constraints on, so that `dof_frictionloss` and `tendon_frictionloss` may be
+        set at run time; costs time.
+    massless
+        Stands in for the mass of loads that have none [kg]; None refuses them.
+    ropes
+        "rigid", "elastic", "slack", or `Ropes` with their numbers.
+
+    Raises
+    ------
+    ModelError
+        MuJoCo cannot hold the rig or would simulate something else, or an option is wrong.
+    """
+    scene = spec(
+        rig,
+        timestep=timestep,
+        integrator=integrator,
+        visuals=visuals,
+        friction=friction,
+        massless=massless,
+        ropes=ropes,
+    )
+    if not visuals:
+        freedoms = len(scene.joints)
+        scene.memory = MEMORY[0] + MEMORY[1] * freedoms**2
+    model = scene.compile()
+    check(model)
+    return model
+
+
+def spec(
+    rig: Rig,
+    *,
+    timestep: float = 1e-3,
+    integrator: str = "RK4",
+    visuals: bool = True,
+    friction: bool = False,
+    massless: float | None = None,
+    ropes: str | Ropes = "rigid",
+) -> mujoco.MjSpec:
+    """The same as an editable `mujoco.MjSpec`; parameters and errors as `compile`."""
+    scene = mujoco.MjSpec()
+    scene.modelname = rig.name
+    scene.compiler.degree = False
+    scene.compiler.autolimits = False
+    scene.compiler.savecompiled = False  # XML as written here, every number exact
+    scene.compiler.savecanonical = False
+    _options(scene, rig, timestep, integrator, friction)
+    if visuals:
+        looks.prepare(scene, rig)
+    _check_masses(rig, massless)
+    made = chosen(ropes, rig)
+    if made.spooled:
+        spools.allow(scene, rig, made, friction)
+    bodies = {WORLD: scene.worldbody}
+    for link in links(rig):
+        bodies[link.name] = _body(bodies[link.parent.name if link.parent else WORLD], link, rig)
+    for load in rig.loads:
+        if load.mass == 0:
+            bodies[load.name].mass, bodies[load.name].gravcomp = massless, 1.0
+    for anchor in rig.anchors:
+        bodies[anchor.frame].add_site(name=anchor.name, pos=anchor.position)
+    for link in links(rig):
+        rigging.add_sum(scene, link)
+    paid = spools.add(scene, rig, made) if made.spooled else []
+    for rope in rig.ropes:
+        if not made.spooled or visuals:
+            inertia = 0.0 if made.spooled else rope.inertia_along
+            rigging.lay(scene, rope.name, rope.path, rope.falls, inertia)
+        rigging.add_sheaves(scene, rope)
+    for drive in rig.drives:
+        rigging.add_motor(scene, rig, drive.name, drive.limit, rig.driven(drive))
+    if visuals:
+        dressing.dress(scene, rig, bodies)
+        rigging.add_sensors(scene, rig)
+    home = [value for link in links(rig) for value in link.home]
+    scene.add_key(name="home", qpos=home + paid, ctrl=np.zeros(len(rig.drives)))
+    try:
+        model = scene.compile()
+    except (ValueError, mujoco.FatalError) as error:
+        reason = " ".join(str(error).split())
+        raise ModelError(f"MuJoCo refuses the model of rig {rig.name}: {reason}") from None
+    held = [rope for rope in rig.ropes if made.spooled]
+    inputs, pulls = _holding_inputs(model, [stretch_of(rope) for rope in held])
+    scene.key("home").ctrl = inputs
+    if held:
+        stretched = np.array(paid) - stretches(rig, model, pulls)
+        scene.key("home").qpos = np.array([*home, *stretched])
+        spools.settle(scene, rig, made, model)
+    return scene
+
+
+def _options(
+    scene: mujoco.MjSpec, rig: Rig, timestep: float, integrator: str, friction: bool
+) -> None:
+    if not isinstance(integrator, str) or integrator not in INTEGRATORS:
+        known = did_you_mean(str(integrator), INTEGRATORS)
+        raise ModelError(f"there is no integrator {integrator!r}{known}")
+    number = isinstance(timestep, int | float | np.number) and not isinstance(timestep, bool)
+    if not number or not TIMESTEPS[0] <= timestep <= TIMESTEPS[1]:
+        limits = "{:g} s to {:g} s".format(*TIMESTEPS)
+        raise ModelError(f"timestep is {timestep!r} s, it must be a number > 0 ({limits})")
+    scene.option.timestep = timestep
+    scene.option.integrator = INTEGRATORS[integrator]
+    scene.option.gravity = [0, 0, -rig.gravity]
+    scene.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    if not friction:
+        scene.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+
+
+def _check_masses(rig: Rig, massless: float | None) -> None:
+    """Every body needs a mass, and one that stands in for none must be small."""
+    without = [load.name for load in rig.loads if load.mass == 0]
+    if without and massless is None:
+        raise ModelError(
+            f"load {without[0]}: mass is 0 kg, MuJoCo needs a positive mass on every body; give "
+            "one that stands in for it [kg], as in compile(rig, massless=1e-3)"
+        )
+    number = isinstance(massless, int | float | np.number) and not isinstance(massless, bool)
+    largest = LARGEST_SHARE * rig.weight / rig.gravity
+    if massless is not None and not (number and 0 < massless <= largest):
+        raise ModelError(
+            f"massless is {massless!r} kg, it must be a number > 0 and at most {largest:g}, "
+            f"{LARGEST_SHARE:g} of the loads' mass"
+        )
+
+
+def _body(parent: Any, link: Link, rig: Rig) -> Any:
+    """A body at its home pose, its joints reading the home values there."""
+    part = link.part
+    body = parent.add_body(name=link.name, pos=link.position)
+    turning = part if isinstance(part, Frame) and part.kind == "turning" else None
+    body.explicitinertial = True
+    body.ipos = [0, 0, 0]
+    body.inertia = [POINT_INERTIA] * 3
+    if isinstance(part, Frame):
+        body.mass = FRAME_MASS if turning else part.inertia
+    else:
+        body.mass = part.mass
+        body.add_site(name=part.name)
+    if isinstance(part, Platform):
+        body.inertia = part.inertia
+    if turning is not None and link.home[0] != 0:
+        body.alt.type = mujoco.mjtOrientation.mjORIENTATION_AXISANGLE
+        body.alt.axisangle = [0, 0, 1, link.home[0]]
+    hinges = part.angles if isinstance(part, Platform) else (link.joints[0],) if turning else ()
+    for name, value in zip(link.joints, link.home, strict=True):
+        kind = mujoco.mjtJoint.mjJNT_HINGE if name in hinges else mujoco.mjtJoint.mjJNT_SLIDE
+        joint = body.add_joint(name=name, type=kind, axis=_axis(rig, part, name), ref=value)
+        if turning is not None:
+            joint.armature = turning.inertia
+    return body
+
+
+def _axis(rig: Rig, part: Part, joint: str) -> list[float]:
+    if isinstance(part, Frame):
+        return list(part.axis)
+    if isinstance(part, Trolley):
+        return list(rig.rail(part.rail).direction)
+    turns = dict(zip(("alpha", "beta", "gamma"), "xyz", strict=True))
+    letter = joint.rpartition(".")[2]
+    return [float(turns.get(letter, letter) == axis) for axis in "xyz"]
+
+
+def _holding_inputs(model: mujoco.MjModel, held: list[str]) -> tuple[Array, Array]:
+    """Inputs, and tensions of the tendons `held`, that keep the first keyframe at rest.
+
+    Where none do, those that come nearest (least squares).
+    """
+    data = mujoco.MjData(model)
+    data.qpos[:] = model.key_qpos[0]
+    mujoco.mj_forward(model, data)
+    effect = np.zeros((model.nv, model.nu + len(held)))
+    jacobian = tendon_jacobian(model, data)
+    for index in range(model.nu):
+        target = model.actuator_trnid[index, 0]
+        column = np.eye(model.nv)[model.jnt_dofadr[target]]
+        if model.actuator_trntype[index] == mujoco.mjtTrn.mjTRN_TENDON:
+            column = jacobian[target]
+        effect[:, index] = model.actuator_gear[index, 0] * column
+    for column, name in enumerate(held, start=model.nu):
+        effect[:, column] = -jacobian[model.tendon(name).id]
+    found = np.linalg.lstsq(effect, data.qfrc_bias, rcond=None)[0]
+    rounded = np.array([round(float(value), 9) + 0.0 for value in found])
+    return rounded[: model.nu], rounded[model.nu :]

@@ -1,0 +1,279 @@
+"""Between a rig's coordinates and its MuJoCo model's joints, for any number of samples at once.
+
+The model's joints count from the body above on the chain, in the turning axes of the frame below
+which it hangs (see `flatrig.models.rig.chain`); a rig's coordinates count from the world.
+
+Arrays may have any leading shape, written N below; columns are joints, drives or ropes.  Inside,
+a motion is one array whose first axis is the order of the derivative: position, velocity and,
+where needed, acceleration.  NumPy only.
+"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import ModelError
+from ..rig.chain import Link, joint_names, links
+from ..rig.coordinate_values import gather
+from ..rig.lengths import rope_lengths
+from ..rig.lengths import spans as spans
+from ..rig.rig import Frame, Load, Platform, Rig, Trolley, Vector
+from ..rig.turning_axes import carry, turn
+from .ropes import reach, stretches
+
+Array = NDArray[np.float64]
+
+
+class HasState(Protocol):
+    """Whatever has `qpos` and `qvel`: a `State`, mujoco.MjData, mujoco.batch.Batch."""
+
+    @property
+    def qpos(self) -> Any:
+        """Joint positions, shape (N, nq)."""
+
+    @property
+    def qvel(self) -> Any:
+        """Joint velocities, shape (N, nv)."""
+
+
+class State(NamedTuple):
+    """Joint positions (N, nq) and velocities (N, nv) of a model [m, rad, m/s, rad/s]."""
+
+    qpos: Array
+    qvel: Array
+
+
+def joint_state(
+    rig: Rig,
+    model: Any,
+    coordinates: Mapping[str, ArrayLike],
+    rates: Mapping[str, ArrayLike] | None = None,
+    tensions: ArrayLike = 0.0,
+) -> State:
+    """Joint positions and velocities of the model where the rig's coordinates have these values.
+
+    Parameters:
+        rig: the description.
+        model: its MuJoCo model.
+        coordinates: positions [m, rad] of all frames, trolleys, loads and platforms by coordinate
+            name ("bridge.angle", "trolley.position", "load.x"), each of shape (N,) or a number;
+            those of ropes, of their spans, and of trolleys in the world ("trolley.x") follow
+            and are left aside.
+        rates: their rates; what is left out is at rest.
+        tensions: by which ropes that can stretch are stretched, and stay so, (N, ropes) or one
+            number [N].
+
+    Raises:
+        ModelError: a coordinate is missing, unknown or not finite, shapes do not match, or the
+            model is of another rig.
+    """
+    _same(rig, model)
+    motion = gather(rig, coordinates, rates or {})
+    columns: dict[str, Array] = {}
+    place: dict[str, Array] = {}
+    for link in links(rig):
+        part = link.part
+        if isinstance(part, Frame):
+            columns[part.coordinate] = motion[part.coordinate]
+        elif isinstance(part, Trolley):
+            upper = sum(factor * columns[name] for name, factor in link.sums[:-1])
+            columns[part.coordinate] = motion[part.coordinate] - upper
+            place[part.name] = _on_rail(rig, part, motion)
+        else:
+            world = np.zeros((*motion[f"{part.name}.x"].shape, 3))
+            for axis in rig.axes:
+                world[..., "xyz".index(axis)] = motion[f"{part.name}.{axis}"]
+            place[part.name] = turn(world, -_angle(link.frame, motion, world))
+            relative = place[part.name] - _base(link, motion, place)
+            for axis in rig.axes:
+                columns[f"{part.name}.{axis}"] = relative[..., "xyz".index(axis)]
+            if isinstance(part, Platform):
+                columns |= {name: motion[name] for name in part.angles}
+    qpos, qvel = np.stack([columns[name] for name in joint_names(rig)], axis=-1)
+    if model.nq == qpos.shape[-1]:
+        return State(qpos, qvel)
+    ways = rope_lengths(rig, points(rig, qpos, qvel))
+    paid, speeds = np.stack([ways[rope.name] for rope in rig.ropes], axis=-1)
+    paid = np.broadcast_to(paid - stretches(rig, model, tensions), paid.shape)
+    return State(np.concatenate([qpos, paid], -1), np.concatenate([qvel, speeds], -1))
+
+
+def points(
+    rig: Rig, qpos: ArrayLike, qvel: ArrayLike, qacc: ArrayLike | None = None
+) -> dict[str, Array]:
+    """Motion of every anchor, trolley, load and platform in the world, each (orders, N, 3).
+
+    Orders are position [m], velocity [m/s] and, if `qacc` is given, acceleration [m/s2].
+    `qpos`, `qvel`, `qacc` have the shape (N, nq).
+    """
+    given = [qpos, qvel] if qacc is None else [qpos, qvel, qacc]
+    joints = np.stack([np.asarray(value, dtype=float) for value in given])
+    motion = {name: joints[..., column] for column, name in enumerate(joint_names(rig))}
+    place: dict[str, Array] = {}
+    world: dict[str, Array] = {}
+    corners = [anchor for anchor in rig.anchors if rig.platform(anchor.frame) is not None]
+    for anchor in rig.anchors:
+        if anchor in corners:
+            continue
+        frame = rig.frame(anchor.frame)
+        own = _shift(frame, motion, joints) + _fixed(anchor.position, joints)
+        world[anchor.name] = turn(own, _angle(frame, motion, own))
+    for link in links(rig):
+        part = link.part
+        if isinstance(part, Frame):
+            continue
+        if isinstance(part, Trolley):
+            terms = link.sums or ((part.coordinate, 1.0),)
+            total = sum(factor * motion[name] for name, factor in terms)
+            own = _on_rail(rig, part, {**motion, part.coordinate: np.asarray(total)})
+        else:
+            own = np.array(np.broadcast_to(_base(link, motion, place), (*joints.shape[:-1], 3)))
+            for axis in rig.axes:
+                own[..., "xyz".index(axis)] += motion[f"{part.name}.{axis}"]
+        place[part.name] = own
+        world[part.name] = turn(own, _angle(link.frame, motion, own))
+        for corner in corners:
+            if isinstance(part, Platform) and corner.frame == part.name:
+                alpha, beta, gamma = (motion[name] for name in part.angles)
+                out = carry(corner.position, (alpha, beta, gamma))
+                world[corner.name] = world[part.name] + out
+    return world
+
+
+def coordinates(rig: Rig, model: Any, state: HasState) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Values and rates of all the rig's coordinates, each (N,), by `rig.coordinate_names`.
+
+    Parameters:
+        rig: the description.
+        model: its MuJoCo model.
+        state: anything with `qpos` (N, nq) and `qvel` (N, nv): a `State`, mujoco.MjData,
+            mujoco.batch.Batch.
+
+    Raises:
+        ModelError: the model is of another rig.
+    """
+    _same(rig, model)
+    motion = points(rig, state.qpos, state.qvel)
+    joints = np.stack([np.asarray(state.qpos), np.asarray(state.qvel)])
+    column = {name: joints[..., index] for index, name in enumerate(joint_names(rig))}
+    found: dict[str, Array] = {frame.coordinate: column[frame.coordinate] for frame in rig.frames}
+    for link in links(rig):
+        if isinstance(link.part, Trolley):
+            terms = link.sums or ((link.part.coordinate, 1.0),)
+            found[link.part.coordinate] = np.asarray(sum(f * column[name] for name, f in terms))
+    for rope, length in rope_lengths(rig, motion).items():
+        found[f"{rope}.length"] = length
+    free: tuple[Load | Platform, ...] = (*rig.loads, *rig.platforms)
+    for part in free:
+        for axis in rig.axes:
+            found[f"{part.name}.{axis}"] = motion[part.name][..., "xyz".index(axis)]
+    for platform in rig.platforms:
+        found |= {name: column[name] for name in platform.angles}
+    values = {name: found[name][0].copy() for name in rig.coordinate_names}
+    return values, {name: found[name][1].copy() for name in rig.coordinate_names}
+
+
+def paid_out(
+    rig: Rig, qpos: ArrayLike, qvel: ArrayLike, qacc: ArrayLike | None = None
+) -> dict[str, Array]:
+    """Rope that each winch has paid out, with its derivatives, each (orders, N) [m].
+
+    A rigid rope's is the length of its way; arguments as of `points`.
+
+    Raises:
+        ModelError: a spool has paid out more than it holds, and the model is no longer true.
+    """
+    given = [qpos, qvel] if qacc is None else [qpos, qvel, qacc]
+    joints = np.stack([np.asarray(value, dtype=float) for value in given])
+    first = len(joint_names(rig))
+    if joints.shape[-1] == first:
+        return rope_lengths(rig, points(rig, qpos, qvel, qacc))
+    found = {rope.name: joints[..., first + i] for i, rope in enumerate(rig.ropes)}
+    for rope in rig.ropes:
+        most = found[rope.name][0].max(initial=0.0)
+        if most >= reach(rig, rope):
+            raise ModelError(
+                f"rope {rope.name}: {most:.4g} m are paid out, its spool holds "
+                f"{reach(rig, rope):.4g} m; hold the winch, or make the rope longer at home"
+            )
+    return found
+
+
+def tensions(
+    rig: Rig,
+    qpos: ArrayLike,
+    qvel: ArrayLike,
+    qacc: ArrayLike,
+    ctrl: ArrayLike,
+    friction: ArrayLike = 0.0,
+) -> Array:
+    """Tension of each rope where it leaves its winch, (N, ropes) [N]; a rope cannot push.
+
+    T = (J/r^2) w'' - u/r - F with the length w that is paid out (of a rigid rope: its length), the
+    winch's torque u and the force F of friction along w (as MuJoCo has it: negative while the winch
+    pays out).  True of rigid, elastic and slack ropes alike.
+
+    Parameters:
+        rig: the description.
+        qpos, qvel, qacc: joint positions, velocities and accelerations, (N, nv).
+        ctrl: inputs, (N, drives), in the order of `rig.drives`.
+        friction: forces of friction, (N, ropes) or a number [N].
+    """
+    lengths = paid_out(rig, qpos, qvel, qacc)
+    inputs = np.asarray(ctrl, dtype=float)
+    columns = {drive.on: index for index, drive in enumerate(rig.drives)}
+    found = []
+    for rope in rig.ropes:
+        pull = rope.inertia_along * lengths[rope.name][2]
+        if rope.name in columns:
+            pull = pull - inputs[..., columns[rope.name]] / rope.drum_radius
+        found.append(pull)
+    along: Array = np.stack(found, axis=-1) - np.asarray(friction, dtype=float)
+    return along
+
+
+def _same(rig: Rig, model: Any) -> None:
+    if model.nq not in (len(joint_names(rig)), len(joint_names(rig)) + len(rig.ropes)):
+        raise ModelError(
+            f"the model has {model.nq} joints, rig {rig.name} has {len(joint_names(rig))}; "
+            "use the model compiled from this rig"
+        )
+
+
+def _on_rail(rig: Rig, trolley: Trolley, motion: Mapping[str, Array]) -> Array:
+    """Motion of a trolley in its frame's axes, (orders, N, 3)."""
+    rail = rig.rail(trolley.rail)
+    along = np.multiply.outer(motion[trolley.coordinate], np.asarray(rail.direction))
+    shift = _shift(rig.frame(rail.frame), motion, along)
+    return np.asarray(along + shift + _fixed(rail.origin, along))
+
+
+def _base(link: Link, motion: Mapping[str, Array], place: Mapping[str, Array]) -> Array:
+    """Motion of what a free mass counts from, in its frame's axes, (orders, N, 3)."""
+    above = link.parent
+    if above is not None and not isinstance(above.part, Frame):
+        return place[above.name]
+    return _shift(link.frame, motion, next(iter(motion.values()))[..., None])
+
+
+def _shift(frame: Frame | None, motion: Mapping[str, Array], like: Array) -> Array:
+    """Motion of a sliding frame's origin; zero for others.  (orders, N, 3)"""
+    if frame is None or frame.kind != "sliding":
+        return np.zeros((*like.shape[:-1], 3))
+    return np.asarray(np.multiply.outer(motion[frame.coordinate], np.asarray(frame.axis)))
+
+
+def _fixed(vector: Vector, like: Array) -> Array:
+    """A vector that does not move, (orders, N, 3)."""
+    constant = np.zeros((*like.shape[:-1], 3))
+    constant[0] = vector
+    return constant
+
+
+def _angle(frame: Frame | None, motion: Mapping[str, Array], like: Array) -> Array:
+    """Motion of a turning frame's angle; zero for others.  (orders, N)"""
+    if frame is None or frame.kind != "turning":
+        return np.zeros(like.shape[:-1])
+    return motion[frame.coordinate]

@@ -1,0 +1,46 @@
+"""Lengths of ropes and their spans, from the motion of the points they run through.
+
+Inside, a motion is one array whose first axis is the order of the derivative: position, velocity
+and, where it is known, acceleration.  NumPy only.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .rig import Rig
+
+Array = NDArray[np.float64]
+
+
+def spans(rig: Rig, motion: Mapping[str, Array]) -> dict[str, Array]:
+    """Lengths of the spans of each rope and their derivatives, each (orders, N, spans) [m].
+
+    `motion` is what `flatrig.models.mjcf.rig_state.points` returns.  A span without length has no
+    direction: its derivatives are given as zero.
+    """
+    found = {}
+    for rope in rig.ropes:
+        path = np.stack([motion[name] for name in rope.path])
+        step = np.moveaxis(path[1:] - path[:-1], 0, -2)  # (orders, N, spans, 3)
+        length = np.linalg.norm(step[0], axis=-1)
+        inverse = np.divide(1.0, length, out=np.zeros_like(length), where=length > 0)
+        unit = step[0] * inverse[..., None]
+        lengths = [length, (unit * step[1]).sum(-1)]
+        if len(step) > 2:
+            across = (step[1] ** 2).sum(-1) - lengths[1] ** 2
+            lengths.append((unit * step[2]).sum(-1) + across * inverse)
+        found[rope.name] = np.stack(lengths)
+    return found
+
+
+def rope_lengths(rig: Rig, motion: Mapping[str, Array]) -> dict[str, Array]:
+    """Whole length of each rope and its derivatives, each (orders, N) [m].
+
+    The last span counts once for each fall.  `motion` is as for `spans`.
+    """
+    return {
+        rope.name: lengths[..., :-1].sum(-1) + rope.falls * lengths[..., -1]
+        for rope, lengths in zip(rig.ropes, spans(rig, motion).values(), strict=True)
+    }

@@ -1,0 +1,79 @@
+"""What a rig is asked to do: a rest-to-rest move, as plain data."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ..errors import PathError, RigError, did_you_mean
+from ..values import number, sequence, whole, word
+
+PROFILES = ("polynomial", "three_phase", "sampled")
+
+
+@dataclass(frozen=True)
+class Move:
+    """From rest at `start` to rest at `goal`; `feedforward.from_move` makes a reference of it.
+
+    Raises:
+        PathError: a value is wrong.
+    """
+
+    start: tuple[float, ...] = ()
+    """Outputs at the start, in the order of `Rig.outputs`."""
+    goal: tuple[float, ...] = ()
+    """Outputs at the end."""
+    duration: float = 0.0
+    """[s]"""
+    profile: Literal["polynomial", "three_phase", "sampled"] = "polynomial"
+    """`polynomial`: degree 2 order + 1; `three_phase`: constant speed between two blends;
+    `sampled`: a spline through the points of the file `samples`, which gives the values above."""
+    order: int = 4
+    """Number of continuous derivatives."""
+    blend: float = 5.0
+    """Duration of each blend of a three-phase profile [s]."""
+    turning: tuple[int, ...] = ()
+    """Columns, counted from 0, of the three Bryant angles of a platform that turns about one fixed
+    axis; without them each angle goes its own straight way."""
+    samples: str = ""
+    """CSV file of a sampled path: time [s], then the outputs."""
+
+    def __post_init__(self) -> None:
+        try:
+            self._clean()
+        except RigError as error:
+            raise PathError(f"move: {error}") from None
+        if self.profile not in PROFILES:
+            known = did_you_mean(self.profile, PROFILES)
+            raise PathError(f"there is no profile {self.profile!r}{known}")
+        if isinstance(self.order, bool) or not isinstance(self.order, int) or self.order < 0:
+            raise PathError(f"move: order is {self.order!r}, it must be a whole number >= 0")
+        if self.profile == "sampled":
+            if self.turning:
+                raise PathError("a sampled move's file says how it turns; leave `turning` out")
+            if not self.samples:
+                raise PathError("a sampled move needs `samples`, the name of its CSV file")
+            return
+        if not self.start or len(self.start) != len(self.goal):
+            raise PathError(
+                f"start has {len(self.start)} values and goal {len(self.goal)}, "
+                "both need one for each output"
+            )
+        three = len(set(self.turning)) == len(self.turning) == 3
+        if self.turning and not (three and set(self.turning) <= set(range(len(self.start)))):
+            raise PathError(
+                f"move: turning is {self.turning}, it must be three columns of 0 to "
+                f"{len(self.start) - 1}"
+            )
+        if not self.duration > 0:
+            raise PathError(f"duration is {self.duration:g} s, it must be > 0")
+
+    def _clean(self) -> None:
+        """Make plain numbers and names of the fields."""
+        turning = tuple(whole("turning", column) for column in sequence("turning", self.turning))
+        object.__setattr__(self, "turning", turning)
+        for end in ("start", "goal"):
+            values = tuple(number(end, value) for value in sequence(end, getattr(self, end)))
+            object.__setattr__(self, end, values)
+        for name in ("duration", "blend"):
+            object.__setattr__(self, name, number(name, getattr(self, name)))
+        for name in ("profile", "samples"):
+            word(name, getattr(self, name))

@@ -1,0 +1,180 @@
+"""Rigs and moves as TOML files.
+
+A file holds the fields of `Rig` by their names, each kind of part as an array of tables
+(`[[frames]]`, `[[anchors]]`, `[[rails]]`, `[[trolleys]]`, `[[loads]]`, `[[platforms]]`,
+`[[ropes]]` with `[[ropes.sheaves]]`, `[[combinations]]`, `[[drives]]`), `[home]`, and a `[move]`
+if it has one.  Instead of parts it may name a rig of the catalogue, with overrides:
+
+    rig = "overhead_crane"
+    load_mass = 80.0
+
+    [move]
+    start = [0.0, -4.0]
+    goal = [5.0, -1.0]
+    duration = 3.0
+"""
+
+import os
+import tomllib
+from dataclasses import MISSING, asdict, fields, replace
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from ..errors import FlatrigError, PathError, RigError, did_you_mean
+from ..files import write_text
+from .catalogue import default_move, make
+from .move import Move
+from .rig import Anchor, Combination, Drive, Frame, Load, Platform, Rail, Rig, Rope, Sheave, Trolley
+
+_PARTS = {
+    "frames": Frame,
+    "anchors": Anchor,
+    "rails": Rail,
+    "trolleys": Trolley,
+    "loads": Load,
+    "platforms": Platform,
+    "ropes": Rope,
+    "combinations": Combination,
+    "drives": Drive,
+}
+_PLAIN = ("name", "dimensions", "gravity", "outputs", "home")
+
+
+def load(path: str | Path) -> tuple[Rig, Move | None]:
+    """Read a rig and, if the file has one, its move; a catalogue rig brings its own move.
+
+    Raises:
+        RigError: the file cannot be read, or what it describes is not a rig.
+        PathError: the move is wrong.
+    """
+    path = Path(path)
+    try:
+        return loads(path.read_text(encoding="utf-8"), path.parent)
+    except OSError as error:
+        raise RigError(f"cannot read {path}: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise RigError(f"cannot read {path}: it is not a text file") from None
+    except FlatrigError as error:
+        raise type(error)(f"{path}: {error}") from None
+
+
+def load_move(path: str | Path) -> Move:
+    """Read the move of a file, which may hold nothing but its `[move]`.
+
+    Raises:
+        PathError: the file cannot be read, or has no move.
+    """
+    path = Path(path)
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        move = _move(table.get("move"), path.parent)
+    except OSError as error:
+        raise PathError(f"cannot read {path}: {error.strerror}") from None
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise PathError(f"cannot read {path}: not TOML: {error}") from None
+    except FlatrigError as error:
+        raise type(error)(f"{path}: {error}") from None
+    if move is None:
+        raise PathError(f"{path} has no [move]")
+    return move
+
+
+def loads(text: str, folder: Path = Path()) -> tuple[Rig, Move | None]:
+    """As `load`, from the text itself; a move's `samples` are looked for in `folder`."""
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise RigError(f"not TOML: {error}") from None
+    move = _move(table.pop("move", None), folder)
+    if "rig" in table:
+        name = str(table.pop("rig"))
+        rig = make(name, **table)
+        return rig, move or default_move(rig)
+    known = (*_PLAIN, *_PARTS)
+    for key in table:
+        if key not in known:
+            raise RigError(f"unknown entry {key!r}{did_you_mean(key, known)}")
+    parts: dict[str, Any] = {
+        kind: _parts(kind, build, table.pop(kind, [])) for kind, build in _PARTS.items()
+    }
+    parts["masses"] = [
+        mass for kind in ("trolleys", "loads", "platforms") for mass in parts.pop(kind)
+    ]
+    for key in ("name", "outputs"):
+        if key not in table:
+            raise RigError(f"the entry {key!r} is missing")
+    return Rig(**parts, **table), move
+
+
+def dumps(rig: Rig, move: Move | None = None) -> str:
+    """A rig, and a move if given, as TOML text that `loads` turns back into equals."""
+    table: dict[str, Any] = {
+        "name": rig.name,
+        "dimensions": rig.dimensions,
+        "gravity": rig.gravity,
+        "outputs": list(rig.outputs),
+        "home": dict(rig.home),
+    }
+    for kind in _PARTS:
+        parts = getattr(rig, kind)
+        if parts:
+            table[kind] = [asdict(part) for part in parts]
+    if move is not None:
+        changed = [item for item in fields(Move) if getattr(move, item.name) != item.default]
+        table["move"] = {item.name: getattr(move, item.name) for item in changed}
+    return tomli_w.dumps(table)
+
+
+def dump(path: str | Path, rig: Rig, move: Move | None = None) -> None:
+    """Write a rig, and a move if given, to a file; `samples` are named from its folder.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    if move is not None and move.samples:
+        samples = os.path.relpath(move.samples, Path(path).parent)
+        move = replace(move, samples=samples)
+    write_text(path, dumps(rig, move))
+
+
+def _parts(kind: str, build: type, entries: Any) -> list[Any]:
+    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+        raise RigError(f"{kind} must be an array of tables, [[{kind}]]")
+    return [_part(kind, build, entry) for entry in entries]
+
+
+def _part(kind: str, build: type, entry: dict[str, Any]) -> Any:
+    label = f"{kind} {entry.get('name', entry.get('at', ''))}".strip()
+    _check_keys(label, build, entry)
+    values = dict(entry)
+    if build is Rope:
+        values["sheaves"] = _parts("sheaves", Sheave, values.get("sheaves", []))
+    return build(**values)
+
+
+def _check_keys(label: str, build: Any, entry: dict[str, Any]) -> None:
+    known = [item.name for item in fields(build)]
+    for key in entry:
+        if key not in known:
+            raise RigError(f"{label}: unknown entry {key!r}{did_you_mean(key, known)}")
+    for item in fields(build):
+        required = item.default is MISSING and item.default_factory is MISSING
+        if required and item.name not in entry:
+            raise RigError(f"{label}: the entry {item.name!r} is missing")
+
+
+def _move(entry: Any, folder: Path) -> Move | None:
+    if entry is None:
+        return None
+    if not isinstance(entry, dict):
+        raise PathError("move must be a table, [move]")
+    try:
+        _check_keys("move", Move, entry)
+    except RigError as error:
+        raise PathError(str(error)) from None
+    values = dict(entry)
+    if isinstance(values.get("samples"), str):
+        values["samples"] = str(folder / values["samples"])
+    return Move(**values)

@@ -1,0 +1,38 @@
+"""Motions seen from axes that turn: about z with a frame, by Bryant angles with a platform.
+
+A motion is an array whose first axis is the order of the derivative, position, velocity and,
+where needed, acceleration, each (N, 3); so is the motion of an angle, each (N,).
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..values import Vector
+
+Array = NDArray[np.float64]
+
+
+def turn(motion: Array, angle: Array) -> Array:
+    """A motion (orders, N, 3) seen from axes against which its own turn about z by `angle`."""
+    turned = motion.copy()
+    flat = motion[..., 0] + 1j * motion[..., 1]
+    terms = [flat[0], flat[1] + 1j * angle[1] * flat[0]]
+    if len(motion) > 2:
+        terms.append(flat[2] + 2j * angle[1] * flat[1] + (1j * angle[2] - angle[1] ** 2) * flat[0])
+    plane = np.exp(1j * angle[0]) * np.stack(terms)
+    turned[..., 0], turned[..., 1] = plane.real, plane.imag
+    return turned
+
+
+def carry(vector: Vector, angles: tuple[Array, Array, Array]) -> Array:
+    """Motion (orders, N, 3) of a vector fixed in a body turned by Bryant angles (orders, N).
+
+    The body is turned by Rx(alpha) Ry(beta) Rz(gamma) (Y 6.56): about z, then y, then x.
+    """
+    motion = np.zeros((*angles[0].shape, 3))
+    motion[0] = vector
+    for axis in (2, 1, 0):
+        # put the axis in the place of z, in cyclic order
+        order = [(axis + 1) % 3, (axis + 2) % 3, axis]
+        motion[..., order] = turn(motion[..., order], angles[axis])
+    return motion

@@ -1,0 +1,1 @@
+"""Andrews' squeezing mechanism: its data and its MuJoCo scene."""

@@ -1,0 +1,268 @@
+"""Environments of hands: Gymnasium's rules, determinism, endings, controllers, and closed loop."""
+
+import json
+import warnings
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from scipy.spatial.transform import Rotation
+
+from flatrig.envs import (
+    HAND_ENVIRONMENTS,
+    PD,
+    Feedforward,
+    FrictionCompensation,
+    HandDisturbances,
+    HandEnv,
+    HandScenario,
+    HandVectorEnv,
+    PoseFeedback,
+    RandomGoals,
+    Residual,
+    hand_design,
+)
+from flatrig.envs.hand.goals import default_move
+from flatrig.envs.hand.observation import pose_error
+from flatrig.envs.hand.plan import gripped, make_hand_plan
+from flatrig.envs.hand.rolling_feedback import twists
+from flatrig.feedforward.rolling import grasp_matrix, plan_hand, wrench
+from flatrig.models import HandMove, default_hand_move, make_hand
+from flatrig.models.errors import OptionError, PathError
+from flatrig.training.cli import main
+
+HANDS = list(HAND_ENVIRONMENTS.values())
+SHORT: dict[str, Any] = {"hold": 0.2, "rate": 250.0}
+
+
+def run(env: Any, actions: Any, **reset: Any) -> tuple[Any, list[Any]]:
+    """Observations and rewards of some steps, and the last info."""
+    seen, _ = env.reset(**reset)
+    found = [seen]
+    for action in actions:
+        seen, reward, _, _, info = env.step(action)
+        found += [seen, np.asarray(reward)]
+    return info, found
+
+
+@pytest.mark.parametrize("name", HAND_ENVIRONMENTS)
+def test_environments_obey_gymnasium(name: str) -> None:
+    env = gym.make(name, disturbances="standard", sensors="full")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped, skip_render_check=True)
+    names = env.unwrapped.observation_names
+    assert len(set(names)) == len(names) == env.observation_space.shape[0]
+    assert len(env.unwrapped.action_names) == env.action_space.shape[0]
+    first, _ = env.reset(seed=1)
+    second, _ = env.reset(seed=2)
+    assert (first != second).any()
+
+
+@pytest.mark.parametrize("hand", HANDS)
+def test_a_vector_is_single_environments_side_by_side(hand: str) -> None:
+    options = SHORT | {"disturbances": "standard", "sensors": "full"}
+    actions = 0.05 * np.random.default_rng(3).uniform(-1, 1, (8, 2, 15))
+    vector = HandVectorEnv(hand, num_envs=2, nthread=2, **options)
+    width = vector.single_action_space.shape[0]
+    driven = [PoseFeedback(Feedforward(PD(env))) for env in (vector, HandEnv(hand, **options))]
+    _, together = run(driven[0], actions[..., :width], seed=5)
+    _, again = run(driven[0], actions[..., :width], seed=5)
+    for i in range(2):
+        _, alone = run(driven[1], actions[:, i, :width], seed=5 + i)
+        for one, other, same in zip(together, alone, again, strict=True):
+            np.testing.assert_array_equal(one[i], other)
+            np.testing.assert_array_equal(one, same)
+
+
+def test_controllers_are_made_again_from_a_spec() -> None:
+    env = gym.make("flatrig/TwoFingerHand-v0", sensors="full", **SHORT)
+    env = PoseFeedback(Feedforward(PD(env)))
+    _, first = run(env, np.zeros((5, 4)), seed=0)
+    _, second = run(gym.make(env.spec), np.zeros((5, 4)), seed=0)
+    for one, other in zip(first, second, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_random_goals_are_drawn_again_and_differ() -> None:
+    env = HandEnv("two_finger_hand", reference="random", **SHORT)
+    env.reset(seed=1)
+    first = env.task.plans[0].goal.copy()
+    env.reset()
+    assert (env.task.plans[0].goal != first).any()
+    env.reset(seed=1)
+    np.testing.assert_array_equal(env.task.plans[0].goal, first)
+
+
+@pytest.mark.parametrize("hand", HANDS)
+def test_random_goals_can_mostly_be_reached(hand: str) -> None:
+    described = make_hand(hand)
+    draw, generator = RandomGoals(described, default_move(described)), np.random.default_rng(0)
+    good = 0
+    for _ in range(4):
+        try:
+            make_hand_plan(described, draw(generator), 0.05, 0.0)
+            good += 1
+        except PathError:
+            pass
+    assert good >= 1
+
+
+@pytest.mark.parametrize("hand", HANDS)
+def test_random_actions_never_raise_and_endings_have_names(hand: str) -> None:
+    env = HandVectorEnv(hand, num_envs=3, disturbances="standard", **SHORT)
+    generator, reasons = np.random.default_rng(0), set()
+    env.reset(seed=0)
+    for _ in range(120):
+        seen, reward, over, _, info = env.step(generator.uniform(-2, 2, env.action_space.shape))
+        assert np.isfinite(seen).all()
+        assert ((reward >= 0) & (reward <= 1)).all()
+        assert (reward[over] == 0).all()
+        assert [bool(why) for why in info["reason"]] == over.tolist()
+        reasons |= set(info["reason"])
+    assert {""} < reasons <= {"", "dropped", "contact lost", "not finite"}
+
+
+def test_opening_one_finger_loses_its_contact_and_time_runs_out() -> None:
+    env = HandEnv("ball_between_plates", **SHORT)
+    env.reset(seed=0)
+    over, lifting = False, np.array([0.0, 0.0, 3.0 / 50, -0.5])  # the upper slide points down
+    while not over:
+        _, _, over, late, info = env.step(lifting)
+        assert not late
+    assert info["reason"] == "contact lost"
+    assert info["touching"].tolist() == [True, False]
+    held = Feedforward(PD(env))
+    held.reset(seed=0)
+    for _ in range(env.task.planner.fixed.steps):
+        _, reward, over, late, info = held.step(np.zeros(4))
+    assert (late, over, info["reason"]) == (True, False, "time")
+    assert reward == pytest.approx(np.prod(list(info["reward_terms"].values())))
+
+
+def test_nothing_is_shared_with_the_simulation() -> None:
+    env = HandEnv("two_finger_hand", sensors="full", **SHORT)
+    seen, info = env.reset(seed=0)
+    kept = {name: np.copy(value) for name, value in info.items() if isinstance(value, np.ndarray)}
+    before = seen.copy()
+    for _ in range(5):
+        env.step(np.full(4, 0.3))
+    np.testing.assert_array_equal(seen, before)
+    for name, value in kept.items():
+        np.testing.assert_array_equal(info[name], value)
+
+
+@pytest.mark.parametrize("hand", ["ball_in_corner", "three_finger_hand"])
+def test_a_zero_residual_changes_nothing(hand: str) -> None:
+    env = HandEnv(hand, disturbances="standard", sensors="full", **SHORT)
+    zeros = np.zeros((20, *env.action_space.shape))
+    for wrap in (lambda e: Feedforward(PD(e)), lambda e: PoseFeedback(Feedforward(PD(e)))):
+        _, plain = run(wrap(env), zeros, seed=4)
+        _, residual = run(Residual(wrap(env)), zeros, seed=4)
+        for one, other in zip(plain, residual, strict=True):
+            np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("hand", HANDS)
+def test_the_closed_loop_ends_in_the_planned_pose(hand: str) -> None:
+    """Goal: 1 mm and 0.5 degrees, undisturbed, and disturbed with the object misplaced."""
+    described = make_hand(hand)
+    scenarios = [HandScenario(), *hand_design(HandDisturbances.standard(described), 2, seed=7)]
+    base = HandVectorEnv(described, num_envs=3, sensors="full", hold=0.5)
+    env, ends = PoseFeedback(Feedforward(PD(base))), []
+    for wrapped in (env, Feedforward(PD(base))):
+        wrapped.reset(seed=0, options={"scenarios": scenarios})
+        for _ in range(base.task.planner.fixed.steps):
+            _, _, over, _, info = wrapped.step(np.zeros(base.action_space.shape))
+            assert not over.any()
+        ends.append((1e3 * info["distance"], np.degrees(info["turned"])))
+    (away, turned), (_, open_turned) = ends
+    assert away.max() < 1.0
+    assert turned.max() < 0.5
+    assert max(away[0], turned[0]) < 0.02
+    assert (turned[1:] < 0.5 * open_turned[1:]).all()
+
+
+@pytest.mark.parametrize("hand", HANDS)
+def test_planned_forces_make_the_motion_inside_the_cones(hand: str) -> None:
+    described = make_hand(hand)
+    motion = plan_hand(described, default_hand_move(hand))(np.linspace(0, 1, 41))
+    forces, squeeze = gripped(motion)
+    given = np.einsum("nij,nj->ni", grasp_matrix(motion), forces.values.reshape(41, -1))
+    np.testing.assert_allclose(given, wrench(motion), atol=1e-9)
+    assert squeeze > 0
+    assert forces.outside is None
+
+
+def test_twists_that_fingers_can_give() -> None:
+    """All six of a ball in a corner, three in the plane; plates roll a ball along two axes."""
+    ways = {}
+    for hand in HANDS:
+        plan = plan_hand(make_hand(hand), default_hand_move(hand))
+        ways[hand] = twists(plan([0.0]))
+    assert [ways[hand].shape[1] for hand in HANDS] == [3, 3, 6, 3, 6]
+    # On one plate p' = J / (m R) z x w, under one that stays p' = R z x w.
+    for hand, factor in (("ball_on_plate", 0.4), ("ball_between_plates", 1.0)):
+        velocity, turning = ways[hand][:3], ways[hand][3:]
+        rolled = factor * np.cross((0.0, 0.0, 1.0), turning.T).T
+        np.testing.assert_allclose(velocity[:2], rolled[:2], atol=1e-12)
+        np.testing.assert_allclose(turning[2], 0.0, atol=1e-12)
+
+
+def test_pose_errors_are_small_turns_in_space() -> None:
+    generator = np.random.default_rng(0)
+    turn, planned = 0.1 * generator.standard_normal((4, 3)), Rotation.random(4, rng=generator)
+    turn[3] = 0.0
+    place = generator.standard_normal((2, 4, 3))
+    now = Rotation.from_rotvec(turn) * planned
+    off = pose_error(
+        np.hstack((place[0], now.as_matrix().reshape(4, 9))),
+        np.hstack((place[1], planned.as_matrix().reshape(4, 9))),
+    )
+    np.testing.assert_allclose(off, np.hstack((place[0] - place[1], turn)), atol=1e-12)
+
+
+def test_wrong_use_gets_one_line() -> None:
+    env = HandEnv("two_finger_hand", **SHORT)
+    full = HandEnv("two_finger_hand", sensors="full", **SHORT)
+    with pytest.raises(OptionError, match='sensors="full"'):
+        PoseFeedback(PD(env))
+    for below in (full, PD(full, track="set point")):
+        with pytest.raises(OptionError, match="put PD below"):
+            PoseFeedback(below)
+    with pytest.raises(OptionError, match="is for drives of cranes"):
+        FrictionCompensation(env)
+    with pytest.raises(OptionError, match="must be a HandScenario"):
+        env.reset(options={"scenario": 3})
+    with pytest.raises(OptionError, match="shift is 1, it must be three numbers"):
+        HandScenario(shift=1)  # type: ignore[arg-type]
+    with pytest.raises(OptionError, match="turn is 'a', it must be a finite number"):
+        HandScenario(turn=(0, "a", 0))  # type: ignore[arg-type]
+    with pytest.raises(OptionError, match="mass is 0, it must be"):
+        HandScenario(mass=0)
+    with pytest.raises(OptionError, match=r"there is no disturbance 'masss'.*mass"):
+        HandEnv("two_finger_hand", disturbances={"masss": (1, 2)})
+    with pytest.raises(PathError, match="of its friction at the best squeeze"):
+        env.reset(options={"reference": HandMove(goal=(0.3,), duration=0.02, turning="axis")})
+    hand = make_hand("two_finger_hand")
+    weak = tuple(replace(finger, force_limit=5.0) for finger in hand.fingers)
+    with pytest.raises(PathError, match=r"motor \w+.slide\d would have to give"):
+        HandEnv(replace(hand, fingers=weak), **SHORT)
+
+
+def test_compare_prints_a_row_for_each_controller(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    argv = ["compare", "two-finger-hand", "--scenarios", "2", "--duration", "1"]
+    assert main([*argv, "-o", str(tmp_path)]) == 0
+    out = capsys.readouterr().out
+    assert "no policy is shipped for two_finger_hand" in out
+    facts = json.loads((tmp_path / "summary.json").read_text())["controllers"]
+    assert facts["FF + PD + pose"]["reached"] == 2
+    assert facts["feedforward"]["ended"] == 2
+    assert main([*argv, "--policy", "x.json"]) == 2
+    assert "is a hand" in capsys.readouterr().err

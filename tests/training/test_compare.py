@@ -1,0 +1,177 @@
+"""Comparisons: same scenarios for all, what is written, what a zero residual changes."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flatrig import models
+from flatrig.envs import Scenario
+from flatrig.models.errors import OptionError
+from flatrig.training.cli import main
+from flatrig.training.compare import compare_cranes as compare
+from flatrig.training.compare import report
+from flatrig.training.compare.metrics import NAMES, between
+from flatrig.training.policy import Card, Policy
+
+RIG = models.overhead_crane()
+MOVE = models.Move(start=(0.0, -4.0), goal=(1.0, -3.5), duration=2.0)
+
+
+def zero_policy(runner: compare.Runner, fraction: float = 0.2, action: float = 0.0) -> Policy:
+    task = runner.task
+    entries, actions = len(task.observation_names), len(task.action_names)
+    width = 2 * (entries + actions)
+    return Policy(
+        card=Card(
+            rig=RIG.name,
+            observation_names=tuple(task.observation_names),
+            action_names=tuple(task.action_names),
+            fraction=fraction,
+            rate=1.0 / task.period,
+            sensors="encoders",
+            time_constants=(0.5,),
+            smoothing=1.0,
+            every=1,
+            shares=(1.0,) * actions,
+        ),
+        weights=(np.zeros((4, width)), np.zeros((actions, 4))),
+        biases=(np.zeros(4), np.full(actions, action)),
+        mean=np.zeros(width),
+        scale=np.ones(width),
+    )
+
+
+@pytest.fixture(scope="module")
+def runner() -> compare.Runner:
+    return compare.Runner(RIG, MOVE, compare.scenarios_for(RIG, 4))
+
+
+def test_exact_feedforward_is_exact_without_disturbances() -> None:
+    runner = compare.Runner(RIG, MOVE, [Scenario()])
+    for name in ("feedforward", compare.BASE):
+        record = runner.drive(compare.CONTROLLERS[name])
+        assert record.distance.max() < 2e-3  # inputs are held for 20 ms
+        assert record.alive.all()
+        assert record.times[-1] == pytest.approx(2.0 + compare.HOLD)
+    slow = runner.drive(compare.CONTROLLERS["PD, set point"])
+    assert slow.distance.max() > 0.1
+
+
+def test_a_run_does_not_depend_on_those_before_it(runner: compare.Runner) -> None:
+    wrap = compare.CONTROLLERS[compare.BASE]
+    first = runner.drive(wrap)
+    runner.drive(compare.CONTROLLERS["PD, moving"])
+    second = runner.drive(wrap)
+    np.testing.assert_array_equal(first.load, second.load)
+    np.testing.assert_array_equal(first.tensions, second.tensions)
+
+
+def test_a_zero_residual_changes_nothing(runner: compare.Runner) -> None:
+    base = runner.residual(None)
+    zero = runner.residual(zero_policy(runner), 0.2)
+    for name in NAMES:
+        np.testing.assert_array_equal(getattr(base, name), getattr(zero, name))
+    pushed = runner.residual(zero_policy(runner, action=0.3), 0.2)
+    assert np.abs(pushed.rmse - base.rmse).max() > 1e-3
+
+
+def test_a_policy_for_something_else_is_refused(runner: compare.Runner) -> None:
+    rotary = models.make("rotary")
+    policy = zero_policy(runner)
+    with pytest.raises(OptionError, match="the policy is for rig overhead_crane"):
+        compare.compare(rotary, models.default_move("rotary"), [Scenario()], policy)
+
+
+def test_controllers_do_what_their_names_say(runner: compare.Runner) -> None:
+    records = {name: runner.drive(wrap) for name, wrap in compare.CONTROLLERS.items()}
+    delayed = np.array([scenario.delay for scenario in runner.scenarios])
+    first = {
+        name: made.inputs[delayed, np.arange(len(delayed)), 0] for name, made in records.items()
+    }
+    # A set point pulls the trolley at once, a moving reference as it moves.
+    assert (first["PD, set point"] > 10 * np.abs(first["PD, moving"])).all()
+    loads = [made.load[50, 0, 0] for made in records.values()]
+    assert len({round(float(load), 9) for load in loads}) == len(loads)
+
+
+def test_the_evaluation_uses_seeds_that_training_does_not() -> None:
+    from flatrig.training.learn.train import VALIDATION_SEED
+
+    ours = compare.scenarios_for(RIG, 5)
+    assert ours == compare.scenarios_for(RIG, 5)
+    assert ours != compare.scenarios_for(RIG, 5, VALIDATION_SEED)
+
+
+def test_compare_writes_tables_and_figure(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], runner: compare.Runner
+) -> None:
+    zero_policy(runner).save(tmp_path / "zero")
+    argv = ["compare", "overhead", "--goal", "1", "-3.5", "--duration", "2", "--scenarios", "3"]
+    argv += ["--policy", str(tmp_path / "zero.json"), "-o", str(tmp_path / "out")]
+    assert main(argv) == 0
+    out = capsys.readouterr().out
+    names = [*compare.CONTROLLERS, compare.RESIDUAL]
+    for name in names:
+        assert name in out
+    assert f"{compare.RESIDUAL}: tracking error +0.0 %" in out
+    with (tmp_path / "out/scenarios.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["controller"] for row in rows] == [name for name in names for _ in range(3)]
+    masses = [row["load_mass"] for row in rows]
+    assert masses == masses[:3] * len(names)
+    facts = json.loads((tmp_path / "out/summary.json").read_text())
+    rmse = facts["controllers"][compare.BASE]["rmse"]
+    mine = [float(row["rmse"]) for row in rows if row["controller"] == compare.BASE]
+    assert rmse["mean"] == pytest.approx(np.mean(mine))
+    assert rmse["low"] <= rmse["mean"] <= rmse["high"]
+    assert (tmp_path / "out/figure.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_nominal_needs_no_policy(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    argv = ["compare", "roped-overhead", "--nominal", "-o", str(tmp_path)]
+    assert main(argv) == 0
+    out = capsys.readouterr().out
+    assert "no policy shipped" in " ".join(out.split())
+    assert "undisturbed" in out
+
+
+def test_intervals_are_of_the_same_resamples_for_all(runner: compare.Runner) -> None:
+    metrics = runner.residual(None)
+    record = runner.drive(compare.CONTROLLERS[compare.BASE])
+    runs = [compare.Run(name, record, metrics) for name in ("one", "other")]
+    found = report.summary(runs)
+    assert found["one"] == found["other"]
+    assert report.changes(runs, "one")["other"].high == 0.0
+
+
+def test_a_platform_is_judged_by_place_and_orientation(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rig = models.make("cable_manipulator")
+    assert compare.carried(rig) == ([0, 1, 2], [3, 4, 5])
+    assert compare.carried(models.make("navy_crane_2d")) == ([0, 1], [])
+    start = models.default_move(rig).start
+    goal = (*start[:3], 0.1, 0.0, 0.2, start[6])
+    move = models.Move(start=start, goal=goal, duration=3.0)
+    record = compare.Runner(rig, move, [Scenario()]).drive(compare.CONTROLLERS["feedforward"])
+    assert record.turn is not None
+    assert record.turn.max() < 1e-3
+    argv = ["compare", "cable-manipulator", "--goal", *map(str, goal), "--duration", "3"]
+    argv += ["--profile", "polynomial", "--nominal", "-o", str(tmp_path)]
+    assert main(argv) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "turned by" in out or "turned" in out
+    assert "no policy is shipped for cable_manipulator" in out
+    facts = json.loads((tmp_path / "summary.json").read_text())
+    assert facts["controllers"]["feedforward"]["turn"]["mean"] < 1e-3
+
+
+def test_the_angle_between_orientations_is_of_one_rotation() -> None:
+    assert between(np.zeros(3), np.array((0.0, 0.0, 1e-9))) == pytest.approx(1e-9)
+    assert between(np.zeros(3), np.array((0.3, 0.0, 0.0))) == pytest.approx(0.3)
+    assert between(np.array((0.2, 0.4, 1.0)), np.array((0.2, 0.4, 1.7))) == pytest.approx(0.7)
+    quarter = np.array((np.pi / 2, 0.0, np.pi / 2))  # two quarter turns are a third about (1,1,1)
+    assert between(np.zeros(3), quarter) == pytest.approx(2 * np.pi / 3)

@@ -1,0 +1,203 @@
+"""The stress suite judges rightly, and a quick part of it ends as it must."""
+
+import csv
+import math
+import time
+from functools import partial
+
+import mujoco
+import numpy as np
+import pytest
+
+from flatrig import feedforward, models
+from flatrig.models.errors import PathError
+from flatrig.training import cli
+from flatrig.training.stress import roads as stress_roads
+from flatrig.training.stress import run_cases as stress_cases_runs
+from flatrig.training.stress import solver_cases as stress_cases_solver
+from flatrig.training.stress import stiff_cases as stiff
+from flatrig.training.stress import suite as stress
+from flatrig.training.stress.case import (
+    CORRECT,
+    REFUSED,
+    STOPPED,
+    WRONG,
+    Case,
+    Found,
+    Stopped,
+    judge,
+    worst,
+)
+from flatrig.training.stress.random_cases import random_case
+from flatrig.training.stress.random_rigs import KINDS, random_rig
+
+
+@pytest.fixture
+def quietly():
+    """Steps beyond the stability limit, of which MuJoCo warns, without a word or a file."""
+    log = mujoco.MjLogConfig.get()
+    stress.quiet()
+    yield
+    log.set()
+
+
+def refuse():
+    raise PathError("cannot")
+
+
+def stop():
+    raise Stopped("slack")
+
+
+def crash():
+    return Found(1 / 0, 1.0)
+
+
+def warn():
+    return Found(float(np.array(1.0) / np.array(0.0)), 1.0)
+
+
+def hang():
+    time.sleep(60)
+    return Found(0.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("check", "must", "ending"),
+    [
+        (lambda: Found(0.5, 1.0), (CORRECT,), CORRECT),
+        (lambda: Found(2.0, 1.0), (CORRECT,), WRONG),
+        (lambda: Found(math.nan, 1.0), (CORRECT,), WRONG),
+        (lambda: Found(0.5, 1.0), (REFUSED,), WRONG),
+        (refuse, (CORRECT, REFUSED), REFUSED),
+        (refuse, (CORRECT,), WRONG),
+        (stop, (STOPPED,), STOPPED),
+        (stop, (CORRECT,), WRONG),
+        (crash, (CORRECT, REFUSED, STOPPED), WRONG),
+        (warn, (CORRECT, REFUSED, STOPPED), WRONG),
+        (hang, (CORRECT, REFUSED, STOPPED), WRONG),
+    ],
+)
+def test_every_ending_is_named(check, must, ending):
+    outcome = judge(Case("row", "label", check, must), patience=0.2)
+    assert outcome.ending == ending
+    assert ending == CORRECT or outcome.reason or outcome.error is not None
+
+
+def test_the_worst_is_the_nearest_to_its_tolerance_or_not_a_number():
+    near, far, lost = Found(0.5, 1.0), Found(1e-3, 1.0), Found(math.nan, 1.0)
+    assert worst(far, near) is near
+    assert worst(far, lost, near) is lost
+
+
+def test_random_rigs_are_of_every_kind_and_the_same_again():
+    rigs = [random_rig(np.random.default_rng(seed)) for seed in range(80)]
+    assert rigs[:5] == [random_rig(np.random.default_rng(seed)) for seed in range(5)]
+    assert len({rig.name for rig in rigs}) == len(KINDS) + 1  # platforms on trolleys or masts
+    assert {frame.kind for rig in rigs for frame in rig.frames} == {"turning", "sliding"}
+    assert any(rope.falls > 1 for rig in rigs for rope in rig.ropes)
+    assert any(rope.sheaves for rig in rigs for rope in rig.ropes)
+
+
+def test_random_rigs_end_as_they_must():
+    outcomes = [
+        judge(Case("", str(number), partial(random_case, 5, number), (CORRECT, REFUSED)))
+        for number in range(30)
+    ]
+    assert [one for one in outcomes if one.ending == WRONG] == []
+    assert sum(one.ending == CORRECT for one in outcomes) > 10
+
+
+def test_the_roads_see_a_wrong_input_and_a_hop():
+    rig = models.overhead_crane()
+    reference = feedforward.from_move(models.default_move(rig))
+    motion = feedforward.solve(rig, reference, np.linspace(0, 3, 151))
+    assert stress_roads.from_mujoco(motion) < 1e-9
+    assert stress_roads.from_equations(motion) < 1e-9
+    assert stress_roads.jump(rig, reference, motion) < 1e-6
+    motion.inputs[75] *= 1.001
+    assert stress_roads.worst_residual(motion, reference) > 1e-5
+    motion.inputs[:] *= 1.001
+    assert stress_roads.from_mujoco(motion) > 1e-5
+    assert stress_roads.from_equations(motion) > 1e-5
+    motion.positions[75:] += 0.1
+    assert stress_roads._unexplained(motion).max() == pytest.approx(0.1, rel=0.01)
+
+
+def test_energy_is_the_closed_form():
+    rig = models.overhead_crane()
+    values = {"trolley.position": 1.0, "load.x": 1.0, "load.z": -4.0}
+    rates = {"trolley.position": 2.0, "load.x": 2.0, "load.z": -3.0}
+    kinetic = 0.5 * (10 * 4 + 100 * 13 + 10 * 9)  # the winch's J/r^2 is 10 kg
+    expected = kinetic - 100 * 9.81 * 4
+    assert stress_roads.energy(rig, values, rates) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("name", ["navy_crane_3d", "rotary_crane"])
+def test_feedforward_does_not_depend_on_the_unit_of_length(name, size):
+    found = stress_cases_solver.resized_crane(name, size)
+    assert found.share <= 1
+
+
+@pytest.mark.parametrize(("share", "ending"), [(0.999, CORRECT), (1.001, REFUSED)])
+def test_free_fall_is_the_limit(share, ending):
+    check = partial(stress_cases_solver.drop, share, 1.0)
+    assert judge(Case("", "", check, (ending,))).ending == ending
+
+
+@pytest.mark.usefixtures("quietly")
+@pytest.mark.parametrize("integrator", stiff.LIMITS)
+def test_the_step_limit_of_a_stiff_rope_is_the_theoretical_one(integrator):
+    found = stiff.rope(1e8, integrator)
+    omega = math.sqrt(1e8 * (1 / 100 + 1 / 10))
+    assert found.theory == pytest.approx(stiff.LIMITS[integrator] / omega)
+    assert found.limit == pytest.approx(found.theory, rel=0.01)
+
+
+@pytest.mark.usefixtures("quietly")
+@pytest.mark.parametrize(
+    "check",
+    [
+        partial(stiff.pulley, "navy_crane_3d", 1e-3),
+        partial(stiff.elastic_move, 1e6),
+        partial(stress_cases_runs.linear_swing, 4.0, 0.5),
+        partial(stress_cases_runs.period, 120.0),
+        partial(stress_cases_runs.let_go, 120.0),
+        partial(stress_cases_runs.bounce, 0.1, 1e6),
+        partial(stress_cases_runs.caught, 0.1),
+        partial(stress_cases_runs.spike, "cantilever_crane", 0.01, 0),
+    ],
+    ids=lambda check: check.func.__name__,
+)
+def test_runs_are_what_theory_says(check):
+    found = check()
+    assert 0 < found.share <= 1
+
+
+def test_the_command_counts_keeps_and_tells(monkeypatch, capsys, tmp_path):
+    ran = []
+
+    def found(error):
+        ran.append(error)
+        return Found(error, 1.0, "guess", 0.1, 0.2)
+
+    some = [
+        Case("good", "one", partial(found, 0.5)),
+        Case("good", "two", stop, (STOPPED,)),
+        Case("bad", "three", partial(found, 2.0)),
+    ]
+    monkeypatch.setattr(stress, "cases", lambda rigs, seed: some)
+    monkeypatch.setattr(stress, "_judged", lambda left, _: [stress.judge_all(left)])
+    command = ["stress", "-o", str(tmp_path)]
+    assert cli.main([*command, "--only", "goo"]) == 0
+    assert cli.main([*command, "--resume"]) == 1
+    assert ran == [0.5, 2.0]
+    out = capsys.readouterr().out
+    assert "bad, three: guess: 2, must be at most 1" in out
+    with (tmp_path / "stress.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["ending"] for row in rows] == [CORRECT, STOPPED, WRONG]
+    assert cli.main([*command, "--only", "nothing"]) == 2
+    for option in ("--seed=-1", "--rigs=0", "--processes=0"):
+        assert cli.main([*command, option]) == 2

@@ -1,0 +1,1 @@
+"""`flatrig bench`, `accuracy`, `hands` and `lean`: speed, error, and what a scene carries."""

@@ -1,0 +1,128 @@
+"""`flatrig accuracy`: how far exact feedforward lands from its path in MuJoCo, open loop.
+
+Every crane makes its move with the inputs that `solve` gives and nothing measured: RK4, 1 ms, each
+input held at its mid-step value.  Beside the distances stand the tensions, in MuJoCo against
+`solve`.  In the planar Navy crane's printed move ropes have to push, and in MuJoCo they can.
+
+A pulley without mass is a limit that MuJoCo only approaches: the second table shows the distance
+fall in proportion to the mass that stands in for it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from rich.table import Table
+from rich.text import Text
+
+from ...feedforward import from_move
+from ...models import Move, Rig, default_move, make, printed_move
+from ...models.rig.moves import MANIPULATOR_MOVES
+from .. import options
+from ..console import console, table, warning
+from ..simulate.open_loop import open_loop
+
+TENSION_GOAL = 1e-3
+"""[N]"""
+STAND_INS = ((1.0, 1e-3), (1e-1, 1e-3), (1e-2, 1e-3), (1e-3, 1e-3), (1e-4, 5e-4))
+"""Masses in place of none [kg] and time steps that resolve the pulley's motion [s]."""
+PROPORTION = 1.5
+"""Most that the distance over the mass may differ from its median."""
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A move and how near to its path the load must stay."""
+
+    label: str
+    rig: Rig
+    move: Move
+    largest: float | None = None
+    """Goal for the largest distance on the way [m]."""
+    arrival: float | None = None
+    """Goal for the distance at arrival [m]."""
+
+
+def cases() -> tuple[Case, ...]:
+    """The catalogue's moves, the planar Navy crane's printed one, and all of CABLEV's."""
+    heavy, manipulator = make("navy_crane_2d"), make("cable_manipulator")
+    return (
+        _default("overhead_crane", arrival=5e-6),
+        _default("roped_overhead_crane"),
+        _default("rotary_crane", 1e-7),
+        _default("extended_rotary_crane"),
+        _default("cantilever_crane", 1e-6),
+        _default("gantry_crane", 1e-6),
+        _default("navy_crane_2d", 2e-5),
+        Case("navy_crane_2d, printed move", heavy, printed_move(heavy), 2e-5),
+        _default("navy_crane_3d", 1e-7),
+        *(
+            Case(f"cable_manipulator, {name}", manipulator, move, 5e-7)
+            for name, move in MANIPULATOR_MOVES.items()
+        ),
+    )
+
+
+def main(_: options.Accuracy) -> None:
+    """Print both tables."""
+    out = console()
+    out.print(accuracy_table())
+    out.print(massless_table())
+
+
+def accuracy_table() -> Table:
+    """Distances and tensions of all cases beside the goals."""
+    shown = table(
+        "Exact feedforward in MuJoCo, open loop (RK4, 1 ms, inputs held at their mid-step value)",
+        "move", "[s]", "arrival [m]", "goal [m]", "largest [m]", "goal [m]",
+        "tension [N]", "goal [N]", "",
+    )  # fmt: skip
+    for case in cases():
+        run = open_loop(case.rig, from_move(case.move))
+        end, most = float(run.distance[-1]), float(run.distance.max())
+        tension = float(np.abs(run.tensions() - run.motion.tensions).max())
+        good = end <= (case.arrival or np.inf) and most <= (case.largest or np.inf)
+        shown.add_row(
+            case.label, f"{run.times[-1]:g}", f"{end:.1e}", _goal(case.arrival),
+            f"{most:.1e}", _goal(case.largest), f"{tension:.1e}", _goal(TENSION_GOAL),
+            _verdict(good and tension <= TENSION_GOAL),
+        )  # fmt: skip
+    return shown
+
+
+def massless_table() -> Table:
+    """Distance from the path of a load whose massless pulley has a small mass in MuJoCo."""
+    shown = table(
+        "A pulley without mass, stood in for by a small one",
+        "move", "mass [kg]", "step [ms]", "largest [m]", "over mass [m/kg]", "",
+    )  # fmt: skip
+    for name in ("navy_crane_2d", "navy_crane_3d"):
+        rig = make(name, pulley_mass=0.0)
+        reference = from_move(default_move(rig))
+        distances = np.array(
+            [
+                open_loop(rig, reference, step, massless=mass).distance.max()
+                for mass, step in STAND_INS
+            ]
+        )
+        ratios = distances / [mass for mass, _ in STAND_INS]
+        usual = float(np.median(ratios))
+        for (mass, step), distance, ratio in zip(STAND_INS, distances, ratios, strict=True):
+            shown.add_row(
+                name, f"{mass:g}", f"{1e3 * step:g}", f"{distance:.1e}", f"{ratio:.2g}",
+                _verdict(1 / PROPORTION <= ratio / usual <= PROPORTION),
+            )  # fmt: skip
+    return shown
+
+
+def _default(name: str, largest: float | None = None, arrival: float | None = None) -> Case:
+    """A rig of the catalogue with its own move."""
+    rig = make(name)
+    return Case(name, rig, default_move(rig), largest, arrival)
+
+
+def _goal(value: float | None) -> str:
+    return "" if value is None else f"<= {value:g}"
+
+
+def _verdict(good: bool) -> str | Text:
+    return "" if good else warning("missed")

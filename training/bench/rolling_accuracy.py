@@ -1,0 +1,183 @@
+"""`flatrig hands`: how well contacts roll and hold in MuJoCo, for every hand.
+
+Fingers follow a planned motion there and back for 10 s, with the forces of `in_cones` and a
+position servo on slides and tips; nothing about the object is measured.  Slip is the way that
+contacts slip over the way that they roll.  Beside the recommended settings stand MuJoCo's defaults.
+A static grasp creeps in proportion to 1/impratio.  The last table shows why contacts have no
+torsional friction (condim 4) and no rolling friction (6).
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from rich.table import Table
+from rich.text import Text
+
+from ...feedforward.rolling import HandPlan, plan_hand
+from ...models.errors import ModelError, OptionError
+from ...models.hand.catalogue import HAND_CATALOGUE, default_hand_move, full_hand_name, make_hand
+from ...models.looks.render import frames, save_animation
+from ...models.mjcf.hand_model import MUJOCO_DEFAULTS, RECOMMENDED, ContactSettings, compile_hand
+from .. import options
+from ..console import console, table, warning
+from ..simulate.hand_runs import HandRun, Track, run_track
+
+SECONDS = 10.0
+"""Of every run [s]."""
+PASS = 2.0
+"""Once along a motion [s]."""
+SLIP, SLIP_OF_TIPS = 1e-3, 1.5e-3
+"""Goals for the slip ratio, the second for turning tips."""
+CREEP = 2e-4
+"""Goal for a static grasp [m]."""
+AWAY, TURNED = 1e-3, 0.5
+"""Goals for the object's final pose [m], [degrees]."""
+GRASPS = {
+    "recommended": RECOMMENDED,
+    "impratio 10": replace(RECOMMENDED, impratio=10.0),
+    "noslip 3": replace(RECOMMENDED, noslip=3),
+    "defaults": MUJOCO_DEFAULTS,
+}
+"""Settings to hold an object with."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A hand, its motion, and the goal for its slip."""
+
+    name: str
+    plan: HandPlan
+    slip: float
+
+    @classmethod
+    def of(cls, name: str) -> "Case":
+        """The hand's case."""
+        hand, move = make_hand(name), default_hand_move(name)
+        turning = any(getattr(finger.surface, "axes", ()) for finger in hand.fingers)
+        plan = plan_hand(hand, replace(move, duration=PASS))
+        return cls(name, plan, SLIP_OF_TIPS if turning else SLIP)
+
+    @property
+    def words(self) -> str:
+        """The name as words, between which a narrow column can break it."""
+        return self.name.replace("_", " ")
+
+    def roll(self, settings: ContactSettings, seconds: float) -> HandRun:
+        """Go along the motion.
+
+        Raises:
+            ModelError: the simulation breaks down.
+        """
+        model = compile_hand(self.plan.hand, settings, visuals=False)
+        return run_track(model, Track.of(self.plan, settings.timestep, seconds))
+
+    def hold(self, settings: ContactSettings, seconds: float) -> HandRun:
+        """Hold the first pose.
+
+        Raises:
+            ModelError: the simulation breaks down.
+        """
+        model = compile_hand(self.plan.hand, settings, visuals=False)
+        return run_track(model, Track.still(self.plan, settings.timestep, seconds))
+
+
+def main(asked: options.Hands) -> None:
+    """Print the three tables, or film one hand."""
+    if asked.output:
+        film(asked.name, asked.output)
+        return
+    names = [full_hand_name(asked.name)] if asked.name else list(HAND_CATALOGUE)
+    cases, out = [Case.of(name) for name in names], console()
+    for shown in (rolling_table(cases), holding_table(cases), condim_table(cases)):
+        out.print(shown)
+
+
+def film(name: str, path: str) -> None:
+    """Film a hand's motion there and back.
+
+    Raises:
+        OptionError: no hand is named, or the path's ending is another one than .gif or .mp4.
+    """
+    if not name:
+        raise OptionError("--output films one hand, name it; without --output tables are printed")
+    case = Case.of(full_hand_name(name))
+    run = case.roll(RECOMMENDED, 2 * PASS)
+    times = RECOMMENDED.timestep * np.arange(len(run.qpos))
+    images = frames(compile_hand(case.plan.hand), run.qpos, times)
+    console().print(f"wrote {save_animation(path, images)}", soft_wrap=True)
+
+
+def describe(settings: ContactSettings) -> str:
+    """Settings in one line."""
+    integrator = settings.integrator.lower()
+    return (
+        f"{1e3 * settings.timestep:g} ms, {integrator}, {settings.cone} cones, impratio "
+        f"{settings.impratio:g}, solref {' '.join(f'{v:g}' for v in settings.solref)}, solimp "
+        f"{' '.join(f'{v:g}' for v in settings.solimp)}"
+    )
+
+
+def rolling_table(cases: Iterable[Case]) -> Table:
+    """Slip and the object's final pose."""
+    shown = table(
+        f"Rolling for {SECONDS:g} s.  Recommended: {describe(RECOMMENDED)}, condim 3 (4 for a hand "
+        f"without spin).\nMuJoCo's defaults: {describe(MUJOCO_DEFAULTS)}, condim 3",
+        "hand", "settings", "rolled\n[m]", "slip", "goal", "spin\n[rad]", "overlap\n[um]",
+        "friction", "away\n[mm]", "off\n[deg]", "",
+    )  # fmt: skip
+    for case in cases:
+        for label, settings in (("recommended", RECOMMENDED), ("defaults", MUJOCO_DEFAULTS)):
+            try:
+                run = case.roll(settings, SECONDS)
+            except ModelError as error:
+                shown.add_row(case.words, label, *("",) * 8, warning(str(error)))
+                continue
+            log, off = run.log, float(np.degrees(run.turned[-1]))
+            good = log.slip_ratio <= case.slip and run.distance[-1] <= AWAY and off <= TURNED
+            shown.add_row(
+                case.words, label, f"{log.rolled.max():.3f}", f"{log.slip_ratio:.1e}",
+                f"<= {case.slip:g}", f"{log.spun.max():.2g}", f"{1e6 * log.penetration:.1f}",
+                f"{log.friction_use:.2f}", f"{1e3 * run.distance[-1]:.3f}", f"{off:.3f}",
+                _verdict(run, good),
+            )  # fmt: skip
+    return shown
+
+
+def holding_table(cases: Iterable[Case]) -> Table:
+    """How far the object moves while it is held still [mm]."""
+    shown = table(
+        f"Creep of a static grasp in {SECONDS:g} s [mm]",
+        "hand", "goal", *GRASPS, "",
+    )  # fmt: skip
+    for case in cases:
+        runs = [case.hold(settings, SECONDS) for settings in GRASPS.values()]
+        cells = [
+            f"lost {len(run.qpos) * settings.timestep:.2g} s" if run.lost
+            else f"{1e3 * run.distance.max():.4f}"
+            for run, settings in zip(runs, GRASPS.values(), strict=True)
+        ]  # fmt: skip
+        good = runs[0].distance.max() <= CREEP
+        shown.add_row(case.words, f"<= {1e3 * CREEP:g}", *cells, _verdict(runs[0], good))
+    return shown
+
+
+def condim_table(cases: Iterable[Case]) -> Table:
+    """Slip with torsional and with rolling friction, once along each motion."""
+    kinds = {"condim 3": 3, "4, torsion": 4, "6, rolling": 6}
+    columns = [f"{what}, {kind}" for kind in kinds for what in ("slip", "away [mm]")]
+    shown = table("The same once along, with other contacts", "hand", *columns)
+    for case in cases:
+        cells = []
+        for condim in kinds.values():
+            run = case.roll(replace(RECOMMENDED, condim=condim), PASS)
+            away = "lost" if run.lost else f"{1e3 * run.distance.max():.3f}"
+            cells += [f"{run.log.slip_ratio:.1e}", away]
+        shown.add_row(case.words, *cells)
+    return shown
+
+
+def _verdict(run: HandRun, good: bool) -> str | Text:
+    if run.lost:
+        return warning(f"{run.lost} lost at {run.log.seconds:.2g} s")
+    return "" if good else warning("missed")

@@ -1,0 +1,241 @@
+"""`flatrig bench`: how fast and how accurate, with the goals beside the numbers.
+
+`flatrig bench feedforward` is `bench_feedforward`.
+
+Ratios compare two things in one run on one machine: they are timed in turns, and the median over
+the repetitions is taken, so that other load on the machine hits both alike.
+"""
+
+import statistics
+import time
+import tracemalloc
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.table import Table
+from rich.text import Text
+
+from ... import models
+from ...feedforward import Reference, analyse, equations_of, from_move, solve
+from ...feedforward.exact.branch import approach, branch_of
+from ...feedforward.exact.servo import servo_of
+from ...models import Rig, default_move
+from ...models.errors import OptionError
+from .. import options
+from ..console import console, table, warning
+from .accuracy import accuracy_table
+
+Array = NDArray[np.float64]
+
+SAMPLES = 3001
+MEMORY_LIMIT = 200.0
+"""[MB]"""
+SOLVE_LIMITS = {
+    "overhead_crane": 10.0,
+    "rotary_crane": 40.0,
+    "navy_crane_3d": 150.0,
+    "cable_manipulator": 150.0,
+}
+"""For SAMPLES samples [ms]."""
+ONE_SAMPLE_LIMITS = {"overhead_crane": 1.0, "rotary_crane": 1.0}
+"""[ms]"""
+STEP_LIMIT = 1.35
+"""Time of an environment step over that of the same physics in plain MuJoCo."""
+THROUGHPUT_LIMIT = 0.85
+"""Throughput of the vector environment over that of plain mujoco.batch."""
+IN_A_ROW = 20
+"""Single samples timed at once."""
+ENVIRONMENTS = 64
+STEPS = 100
+"""Control periods timed at once."""
+
+
+def main(command: options.Bench) -> None:
+    """Print all tables; of another topic, those of its module."""
+    options.check_number("--repetitions", command.repetitions)
+    if command.topic == "feedforward":
+        from . import error_against_time as bench_feedforward
+
+        bench_feedforward.main(command)
+        return
+    for name in ("rig", "formulation", "scheme", "output", "resume"):
+        if getattr(command, name):
+            raise OptionError(f"--{name} is for `flatrig bench feedforward`")
+    out = console()
+    out.print(feedforward_table(command.repetitions))
+    out.print(environment_table(command.repetitions))
+    out.print(accuracy_table())
+
+
+def feedforward_table(repetitions: int) -> Table:
+    """Time and memory of the solver."""
+    shown = table(
+        "Exact feedforward (first: with the analysis and the branch, which are remembered)",
+        "rig", "samples", "first [ms]", "best [ms]", "median [ms]", "goal [ms]",
+        "peak [MB]", "goal [MB]", "",
+    )  # fmt: skip
+    for name in models.CATALOGUE:
+        rig, reference = models.make(name), from_move(default_move(name))
+        times = np.linspace(0.0, reference.duration, SAMPLES)
+        first = _first(rig, reference, times)
+        many = _Timing.of(partial(solve, rig, reference, times), repetitions)
+        one = _Timing.of(partial(solve, rig, reference, 1.0), repetitions, IN_A_ROW)
+        tracemalloc.start()
+        solve(rig, reference, times)
+        peak = tracemalloc.get_traced_memory()[1] / 1e6
+        tracemalloc.stop()
+        for count, timing, goal, memory in (
+            (SAMPLES, many, SOLVE_LIMITS.get(name), peak),
+            (1, one, ONE_SAMPLE_LIMITS.get(name), None),
+        ):
+            good = (goal is None or timing.median <= goal) and (memory or 0.0) <= MEMORY_LIMIT
+            shown.add_row(
+                name, str(count), f"{first:.0f}" if count > 1 else "",
+                f"{timing.best:.2f}", f"{timing.median:.2f}",
+                "" if goal is None else f"<= {goal:g}",
+                "" if memory is None else f"{memory:.1f}",
+                "" if memory is None else f"<= {MEMORY_LIMIT:g}",
+                _verdict(good),
+            )  # fmt: skip
+    return shown
+
+
+def _first(rig: Rig, reference: Reference, times: Array) -> float:
+    """Time of a solution with nothing remembered from an earlier one [ms]."""
+    for remembered in (analyse, branch_of, equations_of, servo_of, approach):
+        remembered.cache_clear()
+    begin = time.perf_counter()
+    solve(rig, reference, times)
+    return 1e3 * (time.perf_counter() - begin)
+
+
+def environment_table(repetitions: int) -> Table:
+    """Environments against plain MuJoCo with the same model and the same held inputs."""
+    shown = table(
+        f"Environments against plain MuJoCo, {STEPS} control periods, medians",
+        "", "environment", "plain", "ratio", "goal", "",
+    )  # fmt: skip
+    for name in ("overhead_crane", "rotary_crane"):
+        rig = models.make(name)
+        step, plain = _single(rig)
+        ours, theirs = _alternate(step, plain, repetitions)
+        ratio = statistics.median(a / b for a, b in zip(ours, theirs, strict=True))
+        unit = 1e6 / STEPS
+        shown.add_row(
+            f"{name}: step against mj_step",
+            f"{unit * statistics.median(ours):.1f} us",
+            f"{unit * statistics.median(theirs):.1f} us",
+            f"{ratio:.2f}", f"<= {STEP_LIMIT:g}", _verdict(ratio <= STEP_LIMIT),
+        )  # fmt: skip
+    for name in ("overhead_crane", "rotary_crane"):
+        step, plain = _vector(models.make(name))
+        ours, theirs = _alternate(step, plain, repetitions)
+        ratio = statistics.median(b / a for a, b in zip(ours, theirs, strict=True))
+        speeds = [ENVIRONMENTS * STEPS / statistics.median(values) for values in (ours, theirs)]
+        shown.add_row(
+            f"{name}: {ENVIRONMENTS} in a vector against mujoco.batch",
+            f"{1e-3 * speeds[0]:.1f} k/s", f"{1e-3 * speeds[1]:.1f} k/s",
+            f"{ratio:.2f}", f">= {THROUGHPUT_LIMIT:g}", _verdict(ratio >= THROUGHPUT_LIMIT),
+        )  # fmt: skip
+    return shown
+
+
+def _single(rig: Rig) -> tuple[Callable[[], float], Callable[[], float]]:
+    """Timers of one environment's steps and of bare `mj_step` with as many substeps."""
+    import mujoco
+
+    from ...envs import CraneEnv
+
+    env = CraneEnv(rig)
+    env.reset(seed=0)
+    task = env.task
+    plant = task.plant
+    inputs = np.array(plant.ctrl[0])
+    action = inputs / task.limits
+    data = mujoco.MjData(plant.model)
+
+    def ours() -> float:
+        env.reset(seed=0)
+        begin = time.perf_counter()
+        for _ in range(STEPS):
+            env.step(action)
+        return time.perf_counter() - begin
+
+    def theirs() -> float:
+        mujoco.mj_resetDataKeyframe(plant.model, data, 0)
+        begin = time.perf_counter()
+        for _ in range(STEPS):
+            data.ctrl[:] = inputs
+            mujoco.mj_step(plant.model, data, plant.substeps)
+        return time.perf_counter() - begin
+
+    return ours, theirs
+
+
+def _vector(rig: Rig) -> tuple[Callable[[], float], Callable[[], float]]:
+    """Timers of a vector environment's steps and of bare `mujoco.batch` with as many threads."""
+    from mujoco.batch import Batch
+
+    from ...envs import CraneVectorEnv
+
+    env = CraneVectorEnv(rig, num_envs=ENVIRONMENTS)
+    env.reset(seed=0)
+    task = env.task
+    plant = task.plant
+    inputs = np.array(plant.ctrl)
+    actions = inputs / task.limits
+    batch = Batch(plant.model, ENVIRONMENTS, plant.batch.nthread)
+    ctrl, qpos, home = batch.bind("ctrl"), batch.bind("qpos"), np.array(plant.model.key_qpos[0])
+
+    def ours() -> float:
+        env.reset(seed=0)
+        begin = time.perf_counter()
+        for _ in range(STEPS):
+            env.step(actions)
+        return time.perf_counter() - begin
+
+    def theirs() -> float:
+        batch.reset()
+        qpos[:] = home
+        begin = time.perf_counter()
+        for _ in range(STEPS):
+            ctrl[:] = inputs
+            batch.step(None, plant.substeps)
+        return time.perf_counter() - begin
+
+    return ours, theirs
+
+
+def _alternate(
+    one: Callable[[], float], other: Callable[[], float], repetitions: int
+) -> tuple[list[float], list[float]]:
+    """Timings of two things in turns, after one warm-up each."""
+    one(), other()
+    pairs = [(one(), other()) for _ in range(repetitions)]
+    return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
+
+
+class _Timing:
+    """Best and median time of a call [ms]."""
+
+    def __init__(self, seconds: list[float]) -> None:
+        self.best = 1e3 * min(seconds)
+        self.median = 1e3 * statistics.median(seconds)
+
+    @classmethod
+    def of(cls, call: Callable[[], object], repetitions: int, times: int = 1) -> "_Timing":
+        """Time `times` calls in a row, `repetitions` times; values are for one call."""
+        call()
+        seconds = []
+        for _ in range(repetitions):
+            begin = time.perf_counter()
+            for _ in range(times):
+                call()
+            seconds.append((time.perf_counter() - begin) / times)
+        return cls(seconds)
+
+
+def _verdict(good: bool) -> str | Text:
+    return "" if good else warning("missed")

@@ -1,0 +1,150 @@
+"""The figures of `flatrig bench feedforward`: errors against wall time and number of steps.
+
+A colour is a scheme.  Runs that failed stand as crosses on the upper edge, at the time or the
+number of steps that they took before they ended.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+from ...feedforward import dae
+from .. import plots
+from .trials import BY_NAME, EXACT, Run
+
+COLOURS = dict(
+    zip(
+        (*dae.SCHEMES, *BY_NAME),
+        (
+            "#202020", "#56b4e9", "#0072b2", "#009e73", "#e69f00", "#d55e00", "#cc79a7",
+            "#8c8c8c", "#b8a200", "#7a3b9a", "#e0218a", "#5a7d2a", "#a0522d",
+        ),
+        strict=True,
+    )
+)  # fmt: skip
+LOWEST, HIGHEST = 1e-16, 1e2
+"""Errors are drawn between these."""
+
+Quantity = Literal["coordinates", "inputs"]
+Cost = Literal["seconds", "steps"]
+LABELS = {
+    "coordinates": "error of coordinates [m, rad]",
+    "inputs": "error of inputs, over the largest",
+    "seconds": "wall time [s]",
+    "steps": "steps",
+}
+
+
+def case(path: Path, runs: Sequence[Run], name: str) -> None:
+    """All formulations of a rig, one in each row, and the peers.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    mine = [run for run in runs if run.case == name and run.scheme]
+    groups = {f: [r for r in mine if r.formulation == f] for f in dae.FORMULATIONS}
+    groups = {
+        f"{f}, index {some[0].index}": [r for r in some if not r.of_peer]
+        for f, some in groups.items()
+        if some
+    }
+    peers = [run for run in mine if run.of_peer]
+    if peers:
+        groups["peers, index 1 and ODE"] = peers
+    exact = [run for run in mine if run.scheme == EXACT]
+    rows = max(len(groups), 1)
+    drawn, axes = plots.figure(
+        13.0, 2.0 + 2.3 * rows, nrows=rows, ncols=4, sharex="col", sharey=True, squeeze=False
+    )
+    drawn.suptitle(
+        f"{name}: error against cost (star: exact solution; cross: failed)",
+        x=0.012, ha="left", fontsize=11, fontweight="bold",
+    )  # fmt: skip
+    panels: tuple[tuple[Quantity, Cost], ...] = (
+        ("coordinates", "seconds"), ("inputs", "seconds"),
+        ("coordinates", "steps"), ("inputs", "steps"),
+    )  # fmt: skip
+    for row, (heading, some) in zip(axes, groups.items(), strict=False):
+        for ax, (quantity, cost) in zip(row, panels, strict=True):
+            curves(ax, some, quantity, cost, dashed=some is peers)
+            star(ax, exact, quantity, cost)
+        plots.title(row[0], heading)
+    for top, bottom, (quantity, cost) in zip(axes[0], axes[-1], panels, strict=True):
+        top.set_title(LABELS[quantity], loc="right", fontsize=9, pad=24)
+        bottom.set_xlabel(LABELS[cost])
+    _legend(drawn, {run.scheme for run in mine}, ncols=7)
+    plots.save(drawn, path)
+
+
+def one(path: Path, runs: Sequence[Run], name: str, formulation: str) -> None:
+    """The inputs of one rig against wall time: one formulation, the peers, the exact solution.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    mine = [run for run in runs if run.case == name and run.scheme]
+    drawn, ax = plots.figure(8.2, 4.6)
+    curves(ax, [run for run in mine if run.formulation == formulation], "inputs", "seconds")
+    curves(ax, [run for run in mine if run.of_peer], "inputs", "seconds", dashed=True)
+    star(ax, [run for run in mine if run.scheme == EXACT], "inputs", "seconds")
+    plots.title(
+        ax, f"{name.replace('_', ' ')}: {formulation} (full lines), peers on index 1 (dashed)"
+    )
+    ax.set(xlabel=LABELS["seconds"], ylabel=LABELS["inputs"])
+    _legend(drawn, {run.scheme for run in mine}, ncols=1, loc="outside right center")
+    plots.save(drawn, path)
+
+
+def curves(
+    ax: Any, runs: Sequence[Run], quantity: Quantity, cost: Cost, *, dashed: bool = False
+) -> None:
+    """Errors of one quantity against one cost; runs with a tolerance as open circles."""
+    ax.set(xscale="log", yscale="log", ylim=(LOWEST, HIGHEST))
+    for scheme, colour in COLOURS.items():
+        tried = [r for r in runs if r.scheme == scheme and not r.failure.startswith("not run")]
+        for constant in (True, False):
+            some = [run for run in tried if bool(run.count) == constant and not run.failure]
+            style = "--" if dashed else "-"
+            ax.plot(
+                [getattr(run, cost) for run in some],
+                [min(max(getattr(run, quantity), LOWEST), HIGHEST) for run in some],
+                linestyle=":" if not (constant or dashed) else style, marker="o", markersize=3.5,
+                markerfacecolor=colour if constant else "white", color=colour, linewidth=1.2,
+            )  # fmt: skip
+        failed = [run for run in tried if run.failure]
+        (crosses,) = ax.plot(
+            [max(getattr(run, cost), 1e-4 if cost == "seconds" else 1) for run in failed],
+            [HIGHEST] * len(failed), "x", color=colour, clip_on=False, markersize=5,
+        )  # fmt: skip
+        crosses.set_in_layout(False)
+
+
+def star(ax: Any, exact: Sequence[Run], quantity: Quantity, cost: Cost) -> None:
+    """The exact solution, at several numbers of instants."""
+    ax.plot(
+        [getattr(run, cost) for run in exact],
+        [max(getattr(run, quantity), LOWEST) for run in exact],
+        "*", color="#d00000", markersize=9, zorder=5,
+    )  # fmt: skip
+
+
+def _legend(drawn: Any, schemes: set[str], **options: Any) -> None:
+    from matplotlib.lines import Line2D
+
+    handles = [
+        Line2D(
+            [],
+            [],
+            color=colour,
+            marker="o",
+            markersize=3.5,
+            label=name,
+            linestyle="--" if name in BY_NAME else "-",
+        )
+        for name, colour in COLOURS.items()
+        if name in schemes
+    ]
+    handles.append(
+        Line2D([], [], color="#d00000", marker="*", markersize=9, linestyle="", label=EXACT)
+    )
+    drawn.legend(handles=handles, **{"loc": "outside lower center", "fontsize": 8} | options)

@@ -1,0 +1,1 @@
+"""`flatrig compare`: controllers side by side over the same disturbed scenarios."""

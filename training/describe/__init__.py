@@ -1,0 +1,1 @@
+"""`flatrig list`, `analyse`, `solve` and `render`: what a rig is and what its move takes."""

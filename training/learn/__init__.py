@@ -1,0 +1,1 @@
+"""`flatrig train`: residual policies with stable-baselines3."""

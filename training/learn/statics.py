@@ -1,0 +1,46 @@
+"""How the drives must move to move the load: the rig's static map, linearised along a path."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...feedforward import Reference, solve
+from ...feedforward.paths.reference import hold
+from ...models import Rig
+
+Array = NDArray[np.float64]
+
+POINTS = 17
+"""Of the path at which the map is linearised; in between it is interpolated."""
+STEP = 1e-3
+"""Of the differences [m]."""
+
+
+def drive_jacobian(rig: Rig, reference: Reference, times: Array) -> Array:
+    """Derivatives of drive positions by outputs, at rest, along a reference.
+
+    Args:
+        rig: the description.
+        reference: path of its outputs.
+        times: [s], shape (N,).
+
+    Returns:
+        Shape (N, drives, outputs), [1] or [rad/m].
+    """
+    instants = np.linspace(0.0, reference.duration, POINTS)
+    found = np.zeros((POINTS, len(rig.drives), reference.size))
+    for k, point in enumerate(reference(instants)):
+        for column in range(reference.size):
+            ends = []
+            for sign in (1.0, -1.0):
+                moved = point.copy()
+                moved[column] += sign * STEP
+                ends.append(solve(rig, hold(moved), 0.0).drive_positions[0])
+            found[k, :, column] = _turn(ends[0] - ends[1]) / (2.0 * STEP)
+    flat = found.reshape(POINTS, -1)
+    columns = [np.interp(times, instants, values) for values in flat.T]
+    return np.stack(columns, axis=1).reshape(len(times), *found.shape[1:])
+
+
+def _turn(difference: Array) -> Array:
+    """Small differences, of angles perhaps, without whole turns."""
+    return np.asarray(np.remainder(difference + np.pi, 2.0 * np.pi) - np.pi)

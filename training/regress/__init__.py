@@ -1,0 +1,1 @@
+"""`flatrig regress`: every model and integrator against stored numbers."""

@@ -1,0 +1,134 @@
+"""Stored numbers of `flatrig regress`, and which of a run's are not within their band.
+
+A number may differ from the stored one by a share of it, and by what rounding can do: another
+processor adds in another order.  Times are not stored.
+"""
+
+import csv
+import io
+import math
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NamedTuple
+
+import mujoco
+
+from ...models.errors import OptionError
+from ...models.files import write_text
+
+FILE = Path(__file__).parents[1] / "baselines" / "regress.csv"
+"""The one that is shipped."""
+
+HEAD = "# MuJoCo "
+"""How its first line begins, before the version."""
+
+SHARE = 0.05
+"""Band about a stored number, as a share of it."""
+
+ROUNDING = {"error": 2e-9, "arrival": 2e-9, "energy": 2e-9, "momentum": 2e-12}
+"""Band about zero: [m], [m], [J], one."""
+
+UNITS = {"error": " m", "arrival": " m", "energy": " J", "momentum": ""}
+
+CEILINGS = {("rotary_crane", "RK4", 1e-2, "energy"): 1e-7}
+"""What must hold whatever is stored."""
+
+Key = tuple[str, str, float, str]
+"""Model, integrator, time step [s] and quantity."""
+
+
+class Departure(NamedTuple):
+    """A number out of its band."""
+
+    key: Key
+    value: float | None
+    """None if the run did not find one."""
+    stored: float | None
+    """None if a ceiling is exceeded."""
+
+    def __str__(self) -> str:
+        """One line that names it."""
+        quantity, where = self.key[3], name(self.key)
+        unit = UNITS[quantity]
+        if self.value is None:
+            return f"{where} is missing, stored is {self.stored:.4g}{unit}"
+        if self.stored is None:
+            return f"{where} {self.value:.4g}{unit} is not below {CEILINGS[self.key]:g}{unit}"
+        band = "" if math.isinf(self.stored) else f" +- {_band(quantity, self.stored):.1g}"
+        return f"{where} {self.value:.4g}{unit}, stored is {self.stored:.4g}{band}{unit}"
+
+
+def name(key: Key) -> str:
+    """Where a number stands, in words."""
+    model, integrator, step, quantity = key
+    return f"{model}, {integrator}, {1e3 * step:g} ms: {quantity}"
+
+
+def departures(
+    found: dict[Key, float], stored: dict[Key, float], models: Iterable[str]
+) -> list[Departure]:
+    """Numbers of the models that left their band, in the stored order; new ones have none."""
+    out = []
+    for key, old in stored.items():
+        new = found.get(key)
+        if key[0] in models and (new is None or not _within(key[3], new, old)):
+            out.append(Departure(key, new, old))
+    for key, ceiling in CEILINGS.items():
+        if key in found and not found[key] < ceiling:
+            out.append(Departure(key, found[key], None))
+    return out
+
+
+def read(path: str | Path = FILE) -> tuple[dict[Key, float], str]:
+    """Stored numbers, and the version of MuJoCo that made them.
+
+    Raises:
+        OptionError: there is no such file, or it is none.
+    """
+    try:
+        first, *lines = Path(path).read_text(encoding="utf-8").splitlines()
+        rows = list(csv.DictReader(lines))
+        stored = {
+            (row["model"], row["integrator"], float(row["step"]), quantity): float(row[quantity])
+            for row in rows
+            for quantity in ROUNDING
+            if row[quantity]
+        }
+        if not (first.startswith(HEAD) and stored) or any(map(math.isnan, stored.values())):
+            raise ValueError
+    except OSError as error:
+        raise OptionError(
+            f"--baseline {path}: {error.strerror or error}; --update makes it"
+        ) from None
+    except (KeyError, ValueError, TypeError):
+        raise OptionError(f"--baseline {path}: not a table of flatrig regress") from None
+    return stored, first.removeprefix(HEAD)
+
+
+def write(path: str | Path, found: dict[Key, float]) -> None:
+    """Store a run's numbers, those of other models in the file kept.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    models = {key[0] for key in found}
+    kept = read(path)[0] if Path(path).exists() else {}
+    table = {key: value for key, value in kept.items() if key[0] not in models} | found
+    text = io.StringIO(newline="")
+    out = csv.writer(text, lineterminator="\n")
+    out.writerow(["model", "integrator", "step", *ROUNDING])
+    for model, integrator, step in dict.fromkeys(key[:3] for key in table):
+        numbers = [table.get((model, integrator, step, quantity)) for quantity in ROUNDING]
+        shown = ["" if value is None else f"{value:.4g}" for value in numbers]
+        out.writerow([model, integrator, f"{step:g}", *shown])
+    write_text(path, f"{HEAD}{mujoco.__version__}\n{text.getvalue()}")
+
+
+def _within(quantity: str, new: float, old: float) -> bool:
+    if math.isinf(old) or math.isinf(new):
+        return new == old
+    return abs(new - old) <= _band(quantity, old)
+
+
+def _band(quantity: str, stored: float) -> float:
+    return SHARE * abs(stored) + ROUNDING[quantity]

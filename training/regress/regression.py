@@ -1,0 +1,236 @@
+"""`flatrig regress`: every crane, every integrator of MuJoCo, a ladder of time steps.
+
+    flatrig regress                 # all; exit status 1 if a number left its band
+    flatrig regress rotary          # one
+    flatrig regress --resume        # go on after an interruption
+    flatrig regress --update        # store the numbers instead of comparing them
+
+Two runs each, without a display: the crane's move under exact feedforward, nothing measured, whose
+distance from the path is all error of the simulation; and its free motion, whose energy and
+momentum ought to stay (`drift`).  What the runs cost stands beside it and is never compared.
+
+A number that left its band says that MuJoCo computes something else than when it was stored, or
+that a model, a move or the feedforward did change.  A run that breaks down, or ends further than
+`LOST` from its path, has an infinite error, and must have one.
+"""
+
+import hashlib
+import json
+import math
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from rich.progress import track
+from rich.table import Table
+
+from ...feedforward import Reference, from_move
+from ...models import CATALOGUE, Rig, default_move, full_name, make
+from ...models.errors import ModelError
+from ...models.files import write_text
+from ...models.mjcf import rig_model as mjcf
+from .. import options
+from ..console import console, table, warning
+from ..simulate.drift import DURATION, Drift, Free, drift, free_motion
+from ..simulate.open_loop import Prepared, prepare
+from . import baseline
+
+STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4)
+"""Time steps [s]."""
+SHOWN = 1e-3
+"""The one whose numbers stand in the summary [s]."""
+LOST = 1.0
+"""Distance from the path beyond which a number says nothing [m]."""
+FOLDER = "results/regress"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One model with one integrator and time step."""
+
+    model: str
+    integrator: str
+    step: float
+    """[s]"""
+    error: float
+    """Largest distance from the path [m]; infinite if lost."""
+    arrival: float
+    """Distance at arrival [m]."""
+    energy: float
+    """Largest departure of the free motion's energy [J]."""
+    momentum: float
+    """The same of its momentum, over the momentum."""
+    cost: float
+    """Time to compute a second of the move [ms]; not a number if it breaks down."""
+
+    @property
+    def real_time_factor(self) -> float:
+        """Simulated over computing time."""
+        return 1e3 / self.cost
+
+    def numbers(self) -> dict[baseline.Key, float]:
+        """What is compared."""
+        at = (self.model, self.integrator, self.step)
+        values = {(*at, name): getattr(self, name) for name in baseline.ROUNDING}
+        return {key: value for key, value in values.items() if not math.isnan(value)}
+
+
+def main(command: options.Regress) -> int:
+    """Run, write `regress.csv` and figures, and compare; 1 if a number left its band."""
+    names = [full_name(name) for name in command.rig] or list(CATALOGUE)
+    file = Path(command.baseline or baseline.FILE)
+    stored, version = ({}, "") if command.update else baseline.read(file)
+    folder, out = Path(command.output or FOLDER), console()
+    rows = measure(names, folder, command.resume)
+    write_rows(folder / "regress.csv", rows)
+    from . import regression_figures as regress_figures
+
+    regress_figures.draw(rows, folder)
+    found = {key: value for row in rows for key, value in row.numbers().items()}
+    gone = baseline.departures(found, {} if command.update else stored, names)
+    out.print(summary(rows, {departure.key[:2] for departure in gone}))
+    for name in ("regress.csv", *regress_figures.FILES):
+        out.print(f"wrote {folder / name}", soft_wrap=True)
+    for key, ceiling in baseline.CEILINGS.items():
+        if key in found:
+            out.print(f"{baseline.name(key)} {found[key]:.2g}, must be below {ceiling:g}")
+    for departure in gone:
+        out.print(warning(str(departure)), soft_wrap=True)
+    if command.update:
+        baseline.write(file, found)
+        out.print(f"wrote {file}; MuJoCo {mujoco.__version__}", soft_wrap=True)
+        return 1 if gone else 0
+    new = [key for key in found if key not in stored]
+    if new:
+        models = ", ".join(dict.fromkeys(key[0] for key in new))
+        text = f"{len(new)} numbers of {models} have no stored ones; --update stores them"
+        out.print(text, soft_wrap=True)
+    verdict = f"{len(gone)} of {len(found)} numbers left their band"
+    if not gone:
+        compared = len(found) - len(new)
+        verdict = f"all in band, {compared} numbers" if compared else "nothing was compared"
+    out.print(f"{verdict}; MuJoCo {mujoco.__version__}, stored ones by {version}", soft_wrap=True)
+    return 1 if gone else 0
+
+
+def measure(names: Iterable[str], folder: Path, resume: bool = False) -> list[Row]:
+    """All rows of these models; every model and time step leaves a file in `FOLDER/parts`.
+
+    Raises:
+        OutputError: the folder cannot be written to.
+    """
+    units = [(name, step) for name in names for step in STEPS]
+    rows: list[Row] = []
+    for name, step in track(units, "Running", transient=True, console=console()):
+        file = folder / "parts" / f"{name}-{1e3 * step:g}ms.json"
+        mark = fingerprint(name)
+        done = _read_part(file, mark) if resume else None
+        if done is None:
+            done = _rows(name, step)
+            part = {"mark": mark, "rows": [asdict(row) for row in done]}
+            write_text(file, json.dumps(part, indent=1) + "\n")
+        rows += done
+    return rows
+
+
+@cache
+def fingerprint(name: str) -> str:
+    """Of the models, the move and MuJoCo's version: the same for runs that ought to agree."""
+    models = "".join(mjcf.spec(rig, visuals=False).to_xml() for rig in _rigs(name))
+    text = f"{models}{default_move(name)}{free_motion(name)[1:]}{mujoco.__version__}"
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _rigs(name: str) -> tuple[Rig, Rig]:
+    return make(name), free_motion(name).rig
+
+
+def _read_part(file: Path, mark: str) -> list[Row] | None:
+    """Rows of an earlier run; None if there are none or they are of another model."""
+    try:
+        part = json.loads(file.read_text(encoding="utf-8"))
+        return [Row(**row) for row in part["rows"]] if part["mark"] == mark else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _rows(name: str, step: float) -> list[Row]:
+    rig = make(name)
+    reference, free = from_move(default_move(rig)), free_motion(name)
+    prepared = prepare(rig, reference, step)
+    return [_row(rig, reference, prepared, free, kind, step) for kind in mjcf.INTEGRATORS]
+
+
+def _row(
+    rig: Rig, reference: Reference, prepared: Prepared, free: Free, integrator: str, step: float
+) -> Row:
+    model = mjcf.compile(rig, timestep=step, integrator=integrator, visuals=False)
+    try:
+        made = prepared.run(model)
+        error, arrival = float(made.distance.max()), float(made.distance[-1])
+        cost = 1e3 * made.seconds / reference.duration
+    except ModelError:
+        error, arrival, cost = math.inf, math.inf, math.nan
+    if error > LOST:
+        error = arrival = math.inf
+    try:
+        let_go = mjcf.compile(free.rig, timestep=step, integrator=integrator, visuals=False)
+        energy, momentum = drift(let_go, free)
+    except ModelError:
+        energy, momentum = Drift(math.inf, math.inf)
+    return Row(rig.name, integrator, step, error, arrival, energy, momentum, cost)
+
+
+def write_rows(path: Path, rows: list[Row]) -> None:
+    """Write all rows with their costs as CSV.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    columns = list(Row.__dataclass_fields__)
+    lines = [
+        "model,integrator,step [s],error [m],arrival [m],energy [J],momentum,"
+        "cost [ms/s],real-time factor"
+    ]
+    for row in rows:
+        values = [getattr(row, name) for name in columns] + [row.real_time_factor]
+        lines.append(",".join(v if isinstance(v, str) else _shown(v, ".6g") for v in values))
+    write_text(path, "\n".join(lines) + "\n")
+
+
+def summary(rows: list[Row], gone: set[tuple[str, ...]]) -> Table:
+    """One line for each model and integrator; `gone` are those with a number out of its band."""
+    shown = table(
+        f"Exact feedforward, and {DURATION:g} s of free motion, in MuJoCo at {1e3 * SHOWN:g} ms "
+        "(order: of the error over all steps, at most 2 with held inputs)",
+        "model", "integrator", "error [m]", "arrival [m]", "order",
+        "energy [J]", "momentum", "[ms/s]", "real time x", "",
+    )  # fmt: skip
+    for model in dict.fromkeys(row.model for row in rows):
+        for kind in mjcf.INTEGRATORS:
+            ladder = [row for row in rows if (row.model, row.integrator) == (model, kind)]
+            row = next(row for row in ladder if row.step == SHOWN)
+            shown.add_row(
+                model, kind, f"{row.error:.1e}", f"{row.arrival:.1e}", _order(ladder),
+                f"{row.energy:.1e}", _shown(row.momentum, ".0e"),
+                _shown(row.cost, ".2g"), _shown(row.real_time_factor, ".0f"),
+                warning("out of band") if (model, kind) in gone else "",
+            )  # fmt: skip
+    return shown
+
+
+def _shown(value: float, form: str) -> str:
+    """A number; nothing where there is none."""
+    return "" if math.isnan(value) else f"{value:{form}}"
+
+
+def _order(ladder: list[Row]) -> str:
+    """By how many powers of the step the error falls, median over the ladder."""
+    pairs = [(row.step, row.error) for row in ladder if 1e-9 < row.error < LOST]
+    if len(pairs) < 2:
+        return ""
+    steps, errors = np.log(np.array(pairs)).T
+    return f"{np.median(np.diff(errors) / np.diff(steps)):.1f}"

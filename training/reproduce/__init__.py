@@ -1,0 +1,1 @@
+"""`flatrig reproduce`: the sources' figures and claims, computed anew."""

@@ -1,0 +1,222 @@
+"""K chapter 2: planned motions of hands, and the table of what kind each hand is.
+
+K prints the ends of example 1's move and of example 8's (`figures_k2_grasp`), and no ends for
+examples 4 and 7; those are the catalogue's.  The planar hand's vertical axis is z, K's is y.
+"""
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.table import Table
+
+from ...feedforward.rolling import HandMotion, classify, plan_hand, replay, residuals
+from ...feedforward.rolling.without_spin import WithoutSpin, without_spin
+from ...models import Hand, Tip, default_hand_move, make_hand
+from .. import console, plots
+from . import sheets
+
+Array = NDArray[np.float64]
+
+SAMPLES = 401
+SNAPSHOTS = 5
+COLOURS = plots.COLOURS[3:]
+"""Of angles, and of fingers."""
+DARK = "#202020"
+K_TABLE = (
+    ("2D", "> 1", "yes", "yes", ""),
+    ("3D", "1", "no", "yes", ""),
+    ("3D", "> 1", "no", "?", "yes"),
+    ("3D + symmetry", "> 2", "no", "?", "yes"),
+)
+"""Table 2.1 as printed: kind, fingers, holonomic, flat, Liouvillian."""
+
+
+def lines(ax: Any, heading: str, x: Array, columns: dict[str, Array]) -> None:
+    """Curves over time, named and coloured in the order of fingers."""
+    for colour, (name, values) in zip(COLOURS, columns.items(), strict=False):
+        ax.plot(x, values, color=colour, linewidth=1.7, label=name)
+    plots.title(ax, heading)
+
+
+@cache
+def _motion(name: str) -> HandMotion:
+    """A hand of the catalogue along its move."""
+    move = default_hand_move(name)
+    return plan_hand(make_hand(name), move)(np.linspace(0.0, move.duration, SAMPLES))
+
+
+def planar(stem: Path) -> Table:
+    """K 2.13."""
+    from matplotlib.patches import Circle
+
+    motion = _motion("two_finger_hand")
+    held, x, z = motion.hand.held, motion.position[:, 0], motion.position[:, 2]
+    drawn, (left, right) = plots.figure(8.6, 4.2, ncols=2, width_ratios=(1.25, 1.0))
+    for k in np.linspace(0, SAMPLES - 1, SNAPSHOTS).astype(int):
+        strength = 0.25 + 0.65 * k / SAMPLES
+        left.add_patch(Circle((x[k], z[k]), held.radius, fill=False, color=DARK, alpha=strength))
+        mark = held.radius * motion.rotation[k, :, 0]
+        ends = (x[k], x[k] + mark[0]), (z[k], z[k] + mark[2])
+        left.plot(*ends, color=DARK, alpha=strength, linewidth=1.0)
+        for i, finger in enumerate(motion.hand.fingers):
+            size = _radius(motion.hand, i)
+            place = tuple(motion.finger_positions[k, i, ::2].tolist())
+            left.add_patch(Circle(place, size, color=COLOURS[i], alpha=0.6 * strength, linewidth=0))
+            label = finger.name if k == 0 else None
+            left.plot(*place, ".", color=COLOURS[i], markersize=3, label=label)
+    left.plot(x, z, color=DARK, linewidth=1.0, linestyle=(0, (1, 1.5)))
+    for i in range(2):
+        left.plot(*motion.finger_positions[:, i, ::2].T, color=COLOURS[i], linewidth=1.3)
+    plots.title(left, "Object and fingers at five instants")
+    left.set(xlabel="x [m]", ylabel="z [m]", aspect="equal")
+    left.legend(fontsize=8, loc="upper left")
+    columns = {"x [m]": x, "z [m]": z, "angle [rad]": motion.angle}
+    lines(right, "Position and orientation of the object", motion.times, columns)
+    right.set_xlabel("time [s]")
+    right.legend(fontsize=8)
+    sheets.save(stem, drawn)
+    for name, path in zip(
+        motion.hand.finger_names, motion.finger_positions.swapaxes(0, 1), strict=True
+    ):
+        columns |= {f"{name} {axis} [m]": path[:, i] for i, axis in ((0, "x"), (2, "z"))}
+    sheets.write_csv(stem, {"time": motion.times, **columns})
+    shown = _facts("Planar hand, example 7", motion)
+    sizes = [_radius(motion.hand, i) for i in range(2)]
+    share = sizes[0] / (sizes[0] + held.radius)
+    shown.add_row("contacts on the disc move by [rad]", f"{-share * motion.angle[-1]:.4g}")
+    shown.add_row("finger's acceleration at either end [m/s2]", f"{_at_rest(motion):.1e}")
+    return shown
+
+
+def _radius(hand: Hand, i: int) -> float:
+    surface = hand.fingers[i].surface
+    assert isinstance(surface, Tip)
+    return surface.radius
+
+
+def _at_rest(motion: HandMotion) -> float:
+    """Largest acceleration of a finger at the first and last instant."""
+    return float(np.abs(motion.finger_accelerations[[0, -1]]).max())
+
+
+def _facts(heading: str, motion: HandMotion) -> Table:
+    """What is true of every plan."""
+    move = motion.move
+    shown = console.table(f"{heading}, {move.duration:g} s", "", "")
+    shown.add_row("largest residual of a constraint", f"{max(residuals(motion)):.1e}")
+    again = replay(plan_hand(motion.hand, move)).orientation
+    shown.add_row("driftless system integrated again, off by [rad]", f"{again:.1e}")
+    return shown
+
+
+def _angles(motion: HandMotion) -> dict[str, Array]:
+    names = ("phi", "theta", "psi")
+    return {f"{name} [rad]": angle for name, angle in zip(names, motion.rpy.T, strict=True)}
+
+
+def without_spinning(stem: Path) -> Table:
+    """K 2.15, and where the contact goes."""
+    motion = _motion("ball_on_plate")
+    drawn, (left, right) = plots.figure(8.2, 3.8, ncols=2, width_ratios=(1.4, 1.0))
+    columns = _angles(motion)
+    lines(left, "Orientation without spin", motion.times, columns)
+    left.set_xlabel("time [s]")
+    left.legend(fontsize=8)
+    touch = motion.contacts_on_fingers[:, 0, :2]
+    _path(right, touch, "Contact point on the plate", "xy")
+    sheets.save(stem, drawn)
+    columns |= {"contact x [m]": touch[:, 0], "contact y [m]": touch[:, 1]}
+    sheets.write_csv(stem, {"time": motion.times, **columns})
+    shown = _facts("Ball on a plate without spin, example 1", motion)
+    path = without_spin(motion.move)
+    assert isinstance(path, WithoutSpin)
+    for i, factor in enumerate(path.coefficients):
+        shown.add_row(f"a{i} of psi(theta) (K 2.105)", f"{factor:.6g}")
+    spin = float(np.abs(motion.angular_velocity[:, 2]).max())
+    shown.add_row("largest spin [rad/s]", f"{spin:.1e}")
+    shown.add_row("error of the contact point's integral [rad]", f"{motion.quadrature_error:.1e}")
+    shown.add_row("contact ends at [cm]", ", ".join(f"{1e2 * end:.4g}" for end in touch[-1]))
+    return shown
+
+
+def in_corner(stem: Path) -> Table:
+    """K 2.16."""
+    motion = _motion("ball_in_corner")
+    drawn, ax = plots.figure(5.6, 3.6)
+    columns = _angles(motion)
+    lines(ax, "Orientation of a ball in a corner", motion.times, columns)
+    ax.set_xlabel("time [s]")
+    ax.legend(fontsize=8)
+    sheets.save(stem, drawn)
+    sheets.write_csv(stem, {"time": motion.times, **columns})
+    return _facts("Ball in a corner, example 4", motion)
+
+
+def contacts_in_corner(stem: Path) -> Table:
+    """K 2.17."""
+    motion = _motion("ball_in_corner")
+    drawn, axes = plots.figure(9.0, 3.5, ncols=3)
+    shown = _facts("Ball in a corner, example 4", motion)
+    shown.add_row("error of the contacts' integrals [rad]", f"{motion.quadrature_error:.1e}")
+    columns: dict[str, Array] = {}
+    for i, (ax, plane) in enumerate(zip(axes, ("xz", "yz", "xy"), strict=True)):
+        name = motion.hand.finger_names[i]
+        path = motion.contacts_on_fingers[:, i, ["xyz".index(axis) for axis in plane]]
+        _path(ax, path, f"Contact on {name}", plane)
+        columns |= {f"{name} {axis} [m]": along for axis, along in zip(plane, path.T, strict=True)}
+        end = ", ".join(f"{1e2 * value:.4g}" for value in path[-1])
+        shown.add_row(f"contact on {name} ends at {plane[0]}, {plane[1]} [cm]", end)
+    sheets.save(stem, drawn)
+    sheets.write_csv(stem, {"time": motion.times, **columns})
+    return shown
+
+
+def _path(ax: Any, path: Array, heading: str, axes: str) -> None:
+    """A path (N, 2) [m] in a plane, in centimetres."""
+    ax.plot(*(1e2 * path.T), color=COLOURS[0], linewidth=1.8)
+    for place, mark, word in ((path[0], "o", "start"), (path[-1], "s", "end")):
+        ax.plot(*(1e2 * place), mark, color=DARK, markersize=5, zorder=5)
+        ax.annotate(word, 1e2 * place, (6, 5), textcoords="offset points", fontsize=8)
+    plots.title(ax, heading)
+    ax.set(xlabel=f"{axes[0]} [cm]", ylabel=f"{axes[1]} [cm]")
+    ax.set_aspect("equal", adjustable="datalim")
+
+
+def table(stem: Path) -> Table:
+    """K's table 2.1 beside the ranks found, with the reasons."""
+    del stem  # nothing is written
+    shown = console.table(
+        "Table 2.1: K's row in brackets where it says something else", "hand", "K's row, fingers",
+        "holonomic", "flat", "Liouvillian", "derived flag", "flat or not, because", right=False,
+    )  # fmt: skip
+    shown.columns[0].no_wrap = True
+    for hand, row in _classified():
+        found = classify(hand)
+        answers = ("yes" if found.holonomic else "no", found.flat, found.liouvillian)
+        printed = K_TABLE[row]
+        cells = [
+            mine if its in (mine, "") else f"{mine} ({its})"
+            for mine, its in zip(answers, printed[2:], strict=True)
+        ]
+        flag = ", ".join(map(str, found.derived_flag))
+        kind = f"{printed[0]}, {printed[1]}"
+        shown.add_row(found.hand, kind, *cells, flag, found.reasons[1])
+    return shown
+
+
+def _classified() -> list[tuple[Hand, int]]:
+    """Hands, and the number of K's row that each belongs to."""
+    one, two = "ball_on_plate", "ball_between_plates"
+    return [
+        (make_hand("two_finger_hand"), 0),
+        (make_hand(one), 1),
+        (make_hand(one, spin=False), 1),
+        (make_hand(two), 2),
+        (make_hand(two, spin=False), 2),
+        (make_hand("ball_between_oblique_plates"), 2),
+        (make_hand("ball_in_corner"), 2),
+        (make_hand("three_finger_hand"), 3),
+    ]

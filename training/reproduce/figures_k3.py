@@ -1,0 +1,139 @@
+"""K 3.3: moves of the small Navy crane's load by feedforward, and what they ask of the motors.
+
+Printed are the load, 250 g, the polynomial of degree 13, and 0.8 s for the move in space (K 3.18).
+The ends of the moves are not; they are those of the tracking study (K 3.5), with a goal 10 cm
+higher for the move in space, and the other moves are given 1.2 s.  `kiss_crane` says what else is
+assumed.  The boom must go where the load is to be drawn to, hence back and forth.
+"""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from rich.table import Table
+
+from ...feedforward import Motion, Reference, over, solve
+from .. import console, plots
+from ..simulate.open_loop import open_loop
+from . import kiss_crane, sheets
+
+DURATIONS = {"horizontal": 1.2, "parabola": 1.2, "straight": 0.8}
+"""[s]"""
+LIFT = 0.05
+"""Height of the parabola above the straight line [m]."""
+SAMPLES = 801
+MOTORS = {"tagline": "T1", "suspension": "T2", "hoist": "T3", "boom": "T4"}
+"""K's names of the inputs (K figure 3.12)."""
+
+
+def horizontal(stem: Path) -> Table:
+    """K 3.13."""
+    return _path(stem, "Horizontal move", "horizontal")
+
+
+def horizontal_torques(stem: Path) -> Table:
+    """K 3.14."""
+    return _torques(stem, "Horizontal move", "horizontal")
+
+
+def parabola(stem: Path) -> Table:
+    """K 3.15."""
+    return _path(stem, "Parabola over an obstacle", "parabola")
+
+
+def parabola_torques(stem: Path) -> Table:
+    """K 3.16."""
+    return _torques(stem, "Parabola over an obstacle", "parabola")
+
+
+def straight(stem: Path) -> Table:
+    """K 3.17."""
+    return _path(stem, "Straight line in space", "straight")
+
+
+def boom_motor(stem: Path) -> Table:
+    """K 3.18: no gear between boom and motor is assumed."""
+    motion = _motion("straight")
+    column = motion.rig.input_names.index("boom")
+    speed = motion.drive_velocities[:, column] * 30.0 / np.pi
+    torque = motion.inputs[:, column]
+    drawn, (above, below) = plots.figure(6.0, 4.6, nrows=2, sharex=True)
+    sheets.panel(above, "Speed of the boom", motion.times, [speed], "[rpm]")
+    sheets.panel(below, "Torque on the boom", motion.times, [torque], "[N m]", xlabel="time [s]")
+    sheets.save(stem, drawn)
+    sheets.write_csv(stem, {"time": motion.times, "rpm": speed, "torque": torque})
+    shown = console.table("Boom's motor along the straight line in space", "", "peak")
+    shown.add_row("speed [rpm]", f"{np.abs(speed).max():.4g}")
+    shown.add_row("torque [N m]", f"{np.abs(torque).max():.4g}")
+    shown.add_row("power [W]", f"{np.abs(torque * speed).max() * np.pi / 30.0:.4g}")
+    return shown
+
+
+def _reference(kind: str) -> Reference:
+    """Path of one of the moves."""
+    duration = DURATIONS[kind]
+    if kind == "parabola":
+        start, goal = ((*end, kiss_crane.HEIGHT) for end in (kiss_crane.START, kiss_crane.GOAL))
+        return over(start, goal, (0.0, 0.0, LIFT, 0.0), duration, order=6)
+    if kind == "straight":
+        x, y, z = kiss_crane.GOAL
+        return kiss_crane.move(duration, goal=(x, y, z + 0.1))
+    return kiss_crane.move(duration)
+
+
+@cache
+def _motion(kind: str) -> Motion:
+    """The crane along one of the moves."""
+    times = np.linspace(0.0, DURATIONS[kind], SAMPLES)
+    return solve(kiss_crane.spatial(), _reference(kind), times)
+
+
+def _path(stem: Path, heading: str, kind: str) -> Table:
+    """The load's path from above and from the side."""
+    motion = _motion(kind)
+    load = motion.outputs[:, :3]
+    drawn, axes = plots.figure(7.6, 3.6, ncols=2)
+    drawn.suptitle(heading, x=0.012, ha="left", fontsize=11, fontweight="bold")
+    sheets.views(axes, [load], [None])
+    sheets.save(stem, drawn)
+    columns = dict(zip("xyz", load.T, strict=True))
+    sheets.write_csv(stem, {"time": motion.times, **columns})
+    speed = np.linalg.norm(np.gradient(load, motion.times, axis=0), axis=1)
+    boom = motion.positions[:, motion.column("boom.angle")]
+    shown = console.table(f"{heading}, {DURATIONS[kind]:g} s", "", "")
+    length = np.linalg.norm(np.diff(load, axis=0), axis=1).sum()
+    shown.add_row("length of the path [cm]", f"{1e2 * length:.4g}")
+    shown.add_row("largest speed [m/s]", f"{speed.max():.4g}")
+    shown.add_row("boom turns by [deg]", f"{np.degrees(boom[-1] - boom[0]):.4g}")
+    shown.add_row("lowest tension [N]", f"{motion.tensions.min():.4g}")
+    off = open_loop(motion.rig, _reference(kind)).distance.max()
+    shown.add_row("open loop in MuJoCo, farthest from it [m]", f"{off:.1e}")
+    return shown
+
+
+def _torques(stem: Path, heading: str, kind: str) -> Table:
+    """Torques of tagline, hoist and boom, as in the source, and the extremes of all four."""
+    motion = _motion(kind)
+    drawn, axes = plots.figure(6.4, 6.0, nrows=3, sharex=True)
+    columns = dict(zip(motion.rig.input_names, motion.inputs.T, strict=True))
+    for ax, name in zip(axes, ("tagline", "hoist", "boom"), strict=True):
+        scale, unit = _unit(name)
+        rows = [scale * columns[name]]
+        sheets.panel(ax, f"{MOTORS[name]}, {name}", motion.times, rows, f"[{unit}]")
+    axes[-1].set_xlabel("time [s]")
+    sheets.save(stem, drawn)
+    sheets.write_csv(stem, {"time": motion.times, **columns})
+    shown = console.table(
+        f"{heading}, {DURATIONS[kind]:g} s: torques", "motor", "start", "end", "lowest", "highest"
+    )
+    for name, torque in columns.items():
+        scale, unit = _unit(name)
+        numbers = scale * np.array([torque[0], torque[-1], torque.min(), torque.max()])
+        cells = [f"{value + 0.0:.4g}" for value in np.round(numbers, 6)]
+        shown.add_row(f"{MOTORS[name]}, {name} [{unit}]", *cells)
+    return shown
+
+
+def _unit(motor: str) -> tuple[float, str]:
+    """A winch turns with a thousandth of what turns the boom."""
+    return (1.0, "N m") if motor == "boom" else (1e3, "mN m")

@@ -1,0 +1,181 @@
+"""Y 2.4: the rotary crane let go, by generalised coordinates and by directors.
+
+No input acts: the girder turns at 1 rad/s, the rope runs off its winch, the load falls.  The
+trolley starts at 1.5 m in the first formulation (Y 2.90) and at 2.5 m in the second (Y 2.4.2), so
+the two figures show different motions; from one place both formulations find the same.
+"""
+
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.table import Table
+
+from ...feedforward.integrators import EnergyMomentum, integrate
+from ...feedforward.multibody import assemble, rotary_crane
+from ...feedforward.multibody.free_crane import DRUM_RADIUS
+from .. import console, plots
+from . import crane_by_angles, sheets
+from .snapshots import FAINT, ROPE, STRUCTURE
+
+Array = NDArray[np.float64]
+
+ANGLES_PLACE, ANGLES_STEP = 1.5, 1e-4
+"""Y 2.90, and the step of Y 2.7."""
+DIRECTORS_PLACE, DIRECTORS_STEP = 2.5, 1e-2
+"""Y 2.4.2, and the step of Y 2.10."""
+INSTANTS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
+"""Of the snapshots [s]; the source does not say which it took."""
+SHOWN = 101
+"""Instants of a run at which energy and momentum are looked at."""
+GIRDER = 5.0
+"""How long the girder is drawn [m]."""
+DRUM = 0.25
+"""How large the winch is drawn [m]."""
+
+
+class Let(NamedTuple):
+    """The crane let go: N instants."""
+
+    times: Array
+    """[s], shape (N,)."""
+    energy: Array
+    """[J], shape (N,)."""
+    momentum: Array
+    """About the vertical [kg m^2/s], shape (N,)."""
+    along: Array
+    """The girder's direction, shape (N, 3)."""
+    trolley: Array
+    """Shape (N, 3) [m]."""
+    load: Array
+    """Shape (N, 3) [m]."""
+    winding: Array
+    """The winch's angle [rad], shape (N,)."""
+
+
+@cache
+def by_angles(place: float = ANGLES_PLACE, step: float = ANGLES_STEP) -> Let:
+    """In five generalised coordinates by the midpoint rule."""
+    times, x, rates = crane_by_angles.run(place, step=step)
+    look = np.linspace(0, len(times) - 1, SHOWN).astype(int)
+    energy, momentum = np.array([crane_by_angles.conserved(x[i], rates[i]) for i in look]).T
+    x = x[look]
+    along = np.stack((np.cos(x[:, 0]), np.sin(x[:, 0]), np.zeros(len(x))), axis=-1)
+    winding = (x[:, 2] - x[0, 2]) / DRUM_RADIUS
+    trolley = x[:, 1:2] * along
+    return Let(times[look], energy, momentum, along, trolley, crane_by_angles.load(x), winding)
+
+
+@cache
+def by_directors(place: float = DIRECTORS_PLACE, step: float = DIRECTORS_STEP) -> Let:
+    """In 42 redundant coordinates by the energy-momentum scheme."""
+    system, start = assemble(rotary_crane(place=place))
+    steps = round(1.0 / step)
+    run = integrate(EnergyMomentum(), system, start.q, start.v, duration=1.0, steps=steps)
+    states = list(zip(run.q, run.v, strict=True))
+
+    def vector(name: str) -> Array:
+        return run.q[:, [system.index(f"{name}{axis}") for axis in "xyz"]]
+
+    return Let(
+        run.times,
+        np.array([system.energy(*state) for state in states]),
+        np.array([system.angular_momentum(*state)[2] for state in states]),
+        vector("girder.d1"),
+        vector("trolley."),
+        vector("load."),
+        run.q[:, system.index("winding")],
+    )
+
+
+def angles_balance(stem: Path) -> Table:
+    """Y 2.7: energy and angular momentum at steps of 1e-4 s."""
+    return _balance(stem, by_angles(), "generalised coordinates, midpoint rule", ANGLES_STEP)
+
+
+def directors_balance(stem: Path) -> Table:
+    """Y 2.10: energy and angular momentum at steps of 1e-2 s."""
+    return _balance(stem, by_directors(), "rotationless, energy-momentum", DIRECTORS_STEP)
+
+
+def angles_snapshots(stem: Path) -> Table:
+    """Y 2.8."""
+    return _snapshots(stem, by_angles(), "Rotary crane let go, trolley at 1.5 m")
+
+
+def directors_snapshots(stem: Path) -> Table:
+    """Y 2.11."""
+    return _snapshots(stem, by_directors(), "Rotary crane let go, trolley at 2.5 m")
+
+
+def _balance(stem: Path, let: Let, what: str, step: float) -> Table:
+    """Energy and angular momentum above, what is lost of them below."""
+    drawn, axes = plots.figure(9.2, 4.8, nrows=2, ncols=2, sharex=True)
+    shown = console.table(f"{stem.name}: {what}, steps of {step:g} s", "", "start", "change")
+    for column, (heading, unit, values) in enumerate(
+        (("Energy", "J", let.energy), ("Angular momentum", "kg m²/s", let.momentum))
+    ):
+        upper, lower = axes[:, column]
+        sheets.panel(upper, heading, let.times, [values], f"[{unit}]")
+        upper.set_ylim(values[0] - 1.0, values[0] + 1.0)
+        upper.ticklabel_format(useOffset=False)
+        sheets.panel(lower, "Change since the start", let.times, [values - values[0]], f"[{unit}]")
+        lower.set_xlabel("time [s]")
+        change = float(np.abs(values - values[0]).max())
+        shown.add_row(f"{heading} [{unit}]", f"{values[0]:.2f}", f"{change:.1e}")
+    heading = f"Rotary crane let go: {what}, steps of {step:g} s"
+    drawn.suptitle(heading, x=0.012, ha="left", fontsize=11, fontweight="bold")
+    sheets.save(stem, drawn)
+    columns = {"time": let.times, "energy": let.energy, "angular momentum": let.momentum}
+    sheets.write_csv(stem, columns)
+    return shown
+
+
+def _snapshots(stem: Path, let: Let, heading: str) -> Table:
+    """The crane at instants, from above and along the x axis."""
+    chosen = [int(np.abs(let.times - instant).argmin()) for instant in INSTANTS]
+    drawn, (above, side) = plots.figure(9.6, 6.4, ncols=2, width_ratios=(1.2, 1.0))
+    shown = console.table(f"{stem.name}: where the load is [m]", "time [s]", "x", "y", "z")
+    for i, opacity in zip(chosen, np.linspace(FAINT, 1.0, len(chosen)), strict=True):
+        for ax, pair in ((above, [0, 1]), (side, [1, 2])):
+            _picture(ax, let, i, pair, opacity)
+        side.annotate(
+            f"{let.times[i]:.1f} s", let.load[i, 1:], (-7, -12), fontsize=8, ha="right",
+            textcoords="offset points", color="#404040",
+        )  # fmt: skip
+        shown.add_row(f"{let.times[i]:.1f}", *(f"{value:.3f}" for value in let.load[i]))
+    for ax, pair, title in ((above, [0, 1], "From above"), (side, [1, 2], "Along the x axis")):
+        ax.plot(
+            *let.load[:, pair].T, color=plots.COLOURS[4], linewidth=1.2, linestyle=(0, (1, 1.5))
+        )
+        plots.title(ax, title)
+        ax.set(xlabel=f"{'xyz'[pair[0]]} [m]", ylabel=f"{'xyz'[pair[1]]} [m]")
+        ax.set_aspect("equal", adjustable="datalim")
+    drawn.suptitle(heading, x=0.012, ha="left", fontsize=11, fontweight="bold")
+    sheets.save(stem, drawn)
+    return shown
+
+
+def _picture(ax: Any, let: Let, i: int, pair: list[int], opacity: float) -> None:
+    """Girder, trolley, winch with a spoke, rope and load at one instant."""
+    trolley, load = let.trolley[i], let.load[i]
+    girder = np.stack((np.zeros(3), GIRDER * let.along[i]))
+    ax.plot(*girder[:, pair].T, color=STRUCTURE, linewidth=3, alpha=opacity)
+    if 2 in pair:
+        ax.plot((0, 0), (0, -GIRDER), color=STRUCTURE, linewidth=4, alpha=opacity, zorder=1)
+    rope = np.stack((trolley, load))
+    ax.plot(*rope[:, pair].T, color=ROPE, linewidth=0.9, alpha=opacity)
+    _drum(ax, let, i, pair, opacity)
+    ax.plot(*load[pair], "o", color=plots.COLOURS[4], markersize=8, alpha=opacity)
+
+
+def _drum(ax: Any, let: Let, i: int, pair: list[int], opacity: float) -> None:
+    """The winch's rim and one spoke of it, which show how far it has turned."""
+    turns = let.winding[i] + np.append(np.nan, np.linspace(0, 2 * np.pi, 40))
+    turns[0] = let.winding[i]
+    down = np.array((0.0, 0.0, -1.0))
+    rim = np.cos(turns)[:, None] * let.along[i] + np.sin(turns)[:, None] * down
+    rim = let.trolley[i] + DRUM * np.vstack((np.zeros(3), rim))
+    ax.plot(*rim[:, pair].T, color=plots.COLOURS[3], linewidth=1.4, alpha=opacity)

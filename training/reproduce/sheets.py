@@ -1,0 +1,77 @@
+"""What the reproduced figures share: lines over time, views of paths, and numbers as CSV."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.files import replacing
+from .. import plots
+
+Array = NDArray[np.float64]
+
+STYLES: tuple[dict[str, Any], ...] = (
+    {"color": plots.COLOURS[4], "linestyle": (0, (5, 2)), "linewidth": 1.4},
+    {"color": plots.COLOURS[3], "linewidth": 1.8},
+    {"color": "#202020", "linestyle": (0, (1, 1.5)), "linewidth": 1.3},
+)
+"""As K draws them: fixed set point hashed, tracking in full, reference dotted."""
+
+
+def styles(count: int) -> Sequence[dict[str, Any]]:
+    """Styles of so many lines: a single one is drawn in full."""
+    return STYLES[1:2] if count == 1 else STYLES[:count]
+
+
+def write_csv(stem: Path, columns: dict[str, Array]) -> None:
+    """Write columns (N,) by name to `STEM.csv`.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    with replacing(stem.with_name(f"{stem.name}.csv")) as beside:
+        table = np.column_stack(list(columns.values()))
+        np.savetxt(beside, table, "%.8g", ",", header=",".join(columns), comments="")
+
+
+def save(stem: Path, figure: Any) -> None:
+    """Write a figure to `STEM.png`.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    plots.save(figure, stem.with_name(f"{stem.name}.png"))
+
+
+def panel(
+    axes: Any, heading: str, x: Array, rows: Sequence[Array], y_label: str, **labels: Any
+) -> None:
+    """Draw lines one for each row (N,).
+
+    `labels`: `names`, one for each row, and what `Axes.set` takes.
+    """
+    names = labels.pop("names", [None] * len(rows))
+    for row, style, name in zip(rows, styles(len(rows)), names, strict=True):
+        axes.plot(x, row, label=name, **style)
+    plots.title(axes, heading)
+    axes.set(ylabel=y_label, **labels)
+
+
+def views(axes: Sequence[Any], paths: Sequence[Array], names: Sequence[str | None]) -> None:
+    """Paths in space, each (N, 3) [m], from above and from the side, in centimetres."""
+    for ax, (first, second), heading in zip(
+        axes, ((0, 1), (0, 2)), ("From above", "From the side"), strict=True
+    ):
+        for path, style, name in zip(paths, styles(len(paths)), names, strict=True):
+            ax.plot(1e2 * path[:, first], 1e2 * path[:, second], label=name, **style)
+        plots.title(ax, heading)
+        ax.set(xlabel="x [cm]", ylabel=f"{'xyz'[second]} [cm]")
+    axes[0].set_aspect("equal", adjustable="datalim")
+    start, goal = paths[-1][0], paths[-1][-1]
+    for ax, second in zip(axes, (1, 2), strict=True):
+        for place, mark, word in ((start, "o", "start"), (goal, "s", "goal")):
+            at = 1e2 * place[[0, second]]
+            ax.plot(*at, mark, color="#202020", markersize=5, zorder=5)
+            ax.annotate(word, at, (6, 5), textcoords="offset points", fontsize=8, color="#404040")

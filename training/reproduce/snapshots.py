@@ -1,0 +1,99 @@
+"""A mechanism drawn at instants of its move: ropes, rails, booms, masses, and their ways."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.table import Table
+
+from ...feedforward import Motion, equations_of, redundant
+from ...models import Load, Platform
+from ...models.rig.chain import pulleys
+from .. import console, plots
+from . import sheets
+from .y_sheets import Snapshots
+
+Array = NDArray[np.float64]
+Places = dict[str, Array]
+
+INSTANTS = 6
+"""Pictures of the mechanism in one figure."""
+STRUCTURE, ROPE = "#9a9a9a", "#303030"
+FAINT = 0.25
+"""Opacity of the first picture; the last one's is 1."""
+SAMPLES = 401
+
+
+def draw(stem: Path, sheet: Snapshots, motion: Motion) -> Table:
+    """Draw the snapshots to `STEM.png`, and a table of where the loads are."""
+    places = world(motion)
+    chosen = np.linspace(0, len(motion.times) - 1, INSTANTS).astype(int)
+    drawn, axes = plots.figure(
+        5.0 * len(sheet.views) + 1.0, 5.0, ncols=len(sheet.views), squeeze=False
+    )
+    for ax, view in zip(axes[0], sheet.views, strict=True):
+        pair = ["xyz".index(axis) for axis in view]
+        for opacity, i in zip(np.linspace(FAINT, 1.0, INSTANTS), chosen, strict=True):
+            _picture(ax, motion, {name: place[i, pair] for name, place in places.items()}, opacity)
+        _ways(ax, motion, places, pair)
+        ax.set(xlabel=f"{view[0]} [m]", ylabel=f"{view[1]} [m]")
+        ax.set_aspect("equal", adjustable="datalim")
+    drawn.suptitle(sheet.title, x=0.012, ha="left", fontsize=11, fontweight="bold")
+    sheets.save(stem, drawn)
+    shown = console.table(f"{sheet.title}: where the payload is [m]", "time [s]", "x", "y", "z")
+    carried: tuple[Load | Platform, ...] = (*motion.rig.loads, *motion.rig.platforms)
+    for i in chosen:
+        place = places[carried[-1].name][i]
+        shown.add_row(f"{motion.times[i]:.3g}", *(f"{value:.3f}" for value in place))
+    return shown
+
+
+def world(motion: Motion) -> Places:
+    """Where every anchor and mass is, (N, 3) each [m]."""
+    rig, equations = motion.rig, equations_of(motion.rig)
+    values = {name: motion.positions[:, motion.column(name)] for name in rig.coordinate_names}
+    state, _ = redundant(equations, values, {name: 0.0 * value for name, value in values.items()})
+    state = np.hstack((state, np.ones((len(state), 1))))
+    return {name: state @ rows.T for name, rows in equations.points.items()}
+
+
+def _picture(ax: Any, motion: Motion, places: Places, opacity: float) -> None:
+    """One instant."""
+    rig = motion.rig
+    for frame in ("world", *(frame.name for frame in rig.frames)):
+        fixed = [places[anchor.name] for anchor in rig.anchors if anchor.frame == frame]
+        on_rails = [
+            places[trolley.name]
+            for trolley in rig.trolleys
+            if rig.rail(trolley.rail).frame == frame
+        ]
+        turning = any(f.name == frame and f.kind == "turning" for f in rig.frames)
+        line = [*([np.zeros(2)] if turning else []), *fixed, *on_rails]
+        _line(ax, sorted(line, key=tuple), STRUCTURE, 2.5, opacity)
+    for platform in rig.platforms:
+        corners = [places[anchor.name] for anchor in rig.anchors if anchor.frame == platform.name]
+        _line(ax, [*corners, corners[0]], plots.COLOURS[4], 2.0, opacity)
+    for rope in rig.ropes:
+        _line(ax, [places[name] for name in rope.path], ROPE, 0.9, opacity)
+    free = pulleys(rig)
+    for trolley in rig.trolleys:
+        ax.plot(*places[trolley.name], "s", color=plots.COLOURS[3], markersize=5, alpha=opacity)
+    for load in rig.loads:
+        passed = load.name in free
+        look = {"color": plots.COLOURS[5 if passed else 4], "markersize": 4 if passed else 7}
+        ax.plot(*places[load.name], "o", alpha=opacity, **look)
+
+
+def _line(ax: Any, points: Sequence[Array], colour: str, width: float, opacity: float) -> None:
+    if len(points) > 1:
+        ax.plot(*np.array(points).T, color=colour, linewidth=width, alpha=opacity)
+
+
+def _ways(ax: Any, motion: Motion, places: Places, pair: list[int]) -> None:
+    """Where loads, pulleys and platforms went."""
+    carried: tuple[Load | Platform, ...] = (*motion.rig.loads, *motion.rig.platforms)
+    for mass in carried:
+        way = places[mass.name][:, pair]
+        ax.plot(*way.T, color=plots.COLOURS[3], linewidth=1.2, linestyle=(0, (1, 1.5)))

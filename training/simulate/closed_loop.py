@@ -1,0 +1,146 @@
+"""Runs of a rig in MuJoCo under PD on its encoders, many at once.
+
+    regulator = feedforward.Regulator(rig, set_point, stiffness, damping)
+    course = closed_loop(regulator, values, rates, duration=20.0)
+    regulator.energy(course.values, course.rates)       # (samples, runs), falls
+
+The springs and dampers are put into the model's actuators, so that MuJoCo evaluates them within
+its steps: the controller is continuous in time, as in the theory, and nothing but rounding and the
+integrator's fourth order stands between a run and dW/dt = -sum d y'^2.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import ArrayLike, NDArray
+
+from ...feedforward import Motion, Regulator
+from ...models import Rig
+from ...models.errors import ModelError
+from ...models.mjcf import rig_model as mjcf
+
+Array = NDArray[np.float64]
+
+THREADS = 2
+NOW = int(mujoco.mjtStage.mjSTAGE_ACC)
+"""Stage that makes accelerations and forces those of the new state."""
+STICKING = (0.9999, 0.9999, 0.001, 0.5, 2.0)
+"""`solimp` of a winch's dry friction: with MuJoCo's own a stuck rope creeps at 1e-3 m/s."""
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """S samples of N runs."""
+
+    rig: Rig
+    times: Array
+    """[s], shape (S,)."""
+    values: Mapping[str, Array]
+    """Of every coordinate in `Rig.coordinate_names`, each (S, N)."""
+    rates: Mapping[str, Array]
+    tensions: Array
+    """[N], shape (S, N, ropes), of winches without dry friction; a real rope has none below 0."""
+    inputs: Array
+    """What the drives give [N, N m], shape (S, N, drives)."""
+
+    @property
+    def outputs(self) -> Array:
+        """The rig's outputs, shape (S, N, outputs)."""
+        return np.stack([self.values[name] for name in self.rig.outputs], axis=-1)
+
+
+def closed_loop(
+    regulator: Regulator,
+    values: Mapping[str, ArrayLike],
+    rates: Mapping[str, ArrayLike],
+    duration: float,
+    *,
+    timestep: float = 1e-3,
+    every: int = 1,
+    massless: float | None = None,
+    reference: Motion | None = None,
+    each_step: Callable[[mujoco.MjModel, Batch, int], None] | None = None,
+) -> Course:
+    """Run from N initial states.
+
+    Args:
+        regulator: the rig and its controller.
+        values: initial coordinates of frames, trolleys and loads by name, each (N,).
+        rates: their rates.
+        duration: of the run [s].
+        timestep: of the simulation [s].
+        every: steps from one sample to the next.
+        massless: mass that stands in for massless loads [kg], as in `models.compile`.
+        reference: to follow instead of resting at the set point (K 3.88), sampled in the middle of
+            every step; it is held over the step, so that inputs told at its end lag half a step.
+        each_step: told of model, batch and number of each step ahead; may add to `batch.ctrl`.
+
+    Raises:
+        ModelError: the simulation breaks down, or MuJoCo cannot hold the rig.
+    """
+    model = mjcf.compile(
+        regulator.rig,
+        timestep=timestep,
+        visuals=False,
+        friction=each_step is not None,
+        massless=massless,
+    )
+    _fit_springs(model, regulator)
+    model.tendon_solimp_fri[:] = STICKING
+    model.tendon_solref_fri[:, 0] = 4.0 * timestep
+    batch = _batch(model, mjcf.joint_state(regulator.rig, model, values, rates))
+    live = [batch.bind(name) for name in ("ctrl", "qpos", "qvel", "qacc", "actuator_force")]
+    ctrl, *recorded = live
+    commands = command(regulator, regulator.rest if reference is None else reference)
+    ctrl[:] = commands[0]
+    batch.forward()
+    record = [[part.copy() for part in recorded]]
+    steps = round(duration / timestep)
+    stride = every if reference is None and each_step is None else 1
+    for k in range(0, steps, stride):
+        ctrl[:] = commands[min(k, len(commands) - 1)]
+        if each_step is not None:
+            each_step(model, batch, k)
+        batch.step(None, stride, NOW)
+        if (k + stride) % every == 0:
+            record.append([part.copy() for part in recorded])
+    if batch.warning.any():
+        raise ModelError(
+            f"{regulator.rig.name}: the simulation breaks down; "
+            "a smaller time step or smaller gains may help"
+        )
+    return _course(regulator.rig, model, every * timestep, record)
+
+
+def command(regulator: Regulator, motion: Motion) -> Array:
+    """Inputs along a motion and what springs and dampers pull towards, (S, drives)."""
+    springs = regulator.stiffness * motion.drive_positions
+    dampers = regulator.damping * motion.drive_velocities
+    return np.asarray(motion.inputs + regulator.radii * (springs + dampers))
+
+
+def _fit_springs(model: mujoco.MjModel, regulator: Regulator) -> None:
+    """Let the actuators feel their own length and speed, which have the gear 1/radius."""
+    model.actuator_biastype[:] = mujoco.mjtBias.mjBIAS_AFFINE
+    model.actuator_biasprm[:, 1] = -(regulator.radii**2) * regulator.stiffness
+    model.actuator_biasprm[:, 2] = -(regulator.radii**2) * regulator.damping
+
+
+def _batch(model: mujoco.MjModel, start: mjcf.State) -> Batch:
+    """Simulations in the given states."""
+    qpos, qvel = (np.atleast_2d(part) for part in start)
+    batch = Batch(model, len(qpos), min(THREADS, len(qpos)), persistent=True)
+    batch.reset(stage=int(mujoco.mjtStage.mjSTAGE_NONE))
+    batch.qpos, batch.qvel = qpos, qvel
+    return batch
+
+
+def _course(rig: Rig, model: mujoco.MjModel, interval: float, record: list[list[Array]]) -> Course:
+    qpos, qvel, qacc, inputs = (np.stack(part) for part in zip(*record, strict=True))
+    values, rates = mjcf.coordinates(rig, model, mjcf.State(qpos, qvel))
+    tensions = mjcf.tensions(rig, qpos, qvel, qacc, inputs)
+    times = np.arange(len(qpos), dtype=np.float64) * interval
+    return Course(rig, times, values, rates, tensions, inputs)

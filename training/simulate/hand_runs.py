@@ -1,0 +1,186 @@
+"""Planned motions of hands in MuJoCo: feedforward forces and a position servo on the fingers.
+
+    track = Track.of(plan, step=1e-3, seconds=10.0)
+    result = run_track(compile_hand(hand), track)
+    result.log.slip_ratio, result.distance[-1], result.turned[-1], result.lost
+
+Nothing about the object is measured: where it ends shows how well contacts roll.
+"""
+
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from ...feedforward.rolling import HandMotion, HandPlan, in_cones, joint_forces
+from ...models.errors import ModelError
+from ...models.hand.hand import Hand
+from ...models.mjcf.hand_contacts import ContactLog
+from ...models.mjcf.hand_state import (
+    HandIndex,
+    joint_positions,
+    object_poses,
+    slide_positions,
+    slide_rates,
+)
+
+Array = NDArray[np.float64]
+
+SERVO = 100.0
+"""Frequency of the critically damped servo of every slide and turn [rad/s]."""
+INSTANTS = 401
+"""At which contact forces are computed."""
+MARGIN = 0.2
+"""Share of friction that planned forces keep in reserve."""
+PRESS = 0.5
+"""How hard each of several fingers presses at least, over the object's weight."""
+LOST = 0.05
+"""Time without contact after which the object counts as lost [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """What the fingers shall do at each time step, and the object with them."""
+
+    hand: Hand
+    motion: HandMotion
+    forces: Array
+    """Of the contacts at the beginning [N], shape (fingers,)."""
+    slides: Array
+    """Positions of all slides [m], shape (N, slides)."""
+    speeds: Array
+    """[m/s], shape (N, slides)."""
+    tips: Array
+    """Orientations of all tips, quaternions, shape (N, fingers, 4)."""
+    inputs: Array
+    """Of the motors without any error, in the order of `joint_forces`, shape (N, motors)."""
+
+    @classmethod
+    def of(cls, plan: HandPlan, step: float, seconds: float) -> "Track":
+        """Go a plan's way there and back for some time, sampled every `step` [s].
+
+        Raises:
+            PathError: no contact forces inside the friction cones make the motion.
+        """
+        times = np.linspace(0.0, seconds, round(seconds / step) + 1)
+        few = there_and_back(plan, np.linspace(0.0, seconds, INSTANTS))
+        return cls._of(there_and_back(plan, times), few, step)
+
+    @classmethod
+    def still(cls, plan: HandPlan, step: float, seconds: float) -> "Track":
+        """Hold a plan's first pose; otherwise as `of`."""
+        rest = plan(np.zeros(round(seconds / step) + 1))
+        return cls._of(
+            replace(rest, times=np.asarray(step * np.arange(len(rest.times)))), plan([0.0]), step
+        )
+
+    @classmethod
+    def _of(cls, motion: HandMotion, few: HandMotion, step: float) -> "Track":
+        """From a motion at every step, and at the instants at which to find forces."""
+        hand = motion.hand
+        forces = in_cones(few, MARGIN, PRESS if len(hand.fingers) > 1 else 0.0)
+        motors = joint_forces(few, forces).values
+        inputs = [np.interp(motion.times, few.times, column) for column in motors.T]
+        return cls(
+            hand,
+            motion,
+            forces.normal[0],
+            slide_positions(hand, motion.finger_positions),
+            slide_rates(hand, motion.finger_velocities),
+            _turned(motion.tip_velocities, step),
+            np.stack(inputs, axis=1),
+        )
+
+
+def there_and_back(plan: HandPlan, times: Array) -> HandMotion:
+    """The motion of a plan that is gone along again and again, every second time backwards."""
+    phase = np.mod(times, 2 * plan.move.duration)
+    back = phase > plan.move.duration
+    motion = plan(np.where(back, 2 * plan.move.duration - phase, phase))
+    sign = np.where(back, -1.0, 1.0)[:, None]
+    return replace(
+        motion,
+        times=np.asarray(times, dtype=np.float64),
+        velocity=sign * motion.velocity,
+        angular_velocity=sign * motion.angular_velocity,
+        finger_velocities=sign[..., None] * motion.finger_velocities,
+        tip_velocities=sign[..., None] * motion.tip_velocities,
+    )
+
+
+def _turned(velocities: Array, step: float) -> Array:
+    """Quaternions (N, fingers, 4) from angular velocities (N, fingers, 3), upright at first."""
+    turns = 0.5 * step * (velocities[1:] + velocities[:-1])
+    result = np.zeros((*velocities.shape[:2], 4))
+    for i in range(velocities.shape[1]):
+        now = Rotation.identity()
+        result[0, i, 0] = 1.0
+        for k, turn in enumerate(Rotation.from_rotvec(turns[:, i]), start=1):
+            now = turn * now
+            result[k, i] = now.as_quat(scalar_first=True)
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class HandRun:
+    """What became of a track in MuJoCo."""
+
+    log: ContactLog
+    qpos: Array
+    """Joint positions at each step, shape (N, nq); it ends where a finger lost the object."""
+    distance: Array
+    """Of the object's centre from its path [m], shape (N,)."""
+    turned: Array
+    """Angle between its orientation and the planned one [rad], shape (N,)."""
+    lost: str
+    """The finger that lost the object, or ""."""
+
+
+def run_track(model: mujoco.MjModel, track: Track, servo: float = SERVO) -> HandRun:
+    """Follow a track from its start, at rest, until a finger loses the object.
+
+    Raises:
+        ModelError: the model's time step is not the track's, or the simulation breaks down.
+    """
+    step = float(np.diff(track.motion.times[:2]).sum())
+    if abs(step - model.opt.timestep) > 1e-9:
+        raise ModelError(f"the track has steps of {step:g} s, the model of {model.opt.timestep:g}")
+    hand, motion, data = track.hand, track.motion, mujoco.MjData(model)
+    index, log, lost = HandIndex.of(hand, model), ContactLog(hand, model), ""
+    pose = motion.position[0], motion.rotation[0], motion.finger_positions[0]
+    qpos = [joint_positions(hand, model, *pose, track.forces)]
+    data.qpos[:] = qpos[0]
+    apart = np.zeros(len(hand.fingers))
+    for k, inputs in enumerate(track.inputs[:-1]):
+        data.ctrl[: len(inputs)] = inputs
+        _correct(data, track, index, k, servo)
+        mujoco.mj_step(model, data)
+        if data.warning.number.any():
+            raise ModelError(f"the simulation of {hand.name} breaks down at {data.time:.3g} s")
+        qpos.append(data.qpos.copy())
+        apart = np.where(log.add(data).touching, 0.0, apart + model.opt.timestep)
+        if apart.max() > LOST:
+            lost = hand.finger_names[int(apart.argmax())]
+            break
+    path, rotation = object_poses(hand, np.array(qpos))
+    count = len(qpos)
+    away = np.linalg.norm(path - motion.position[:count], axis=1)
+    planned = Rotation.from_matrix(motion.rotation[:count])
+    turned = (Rotation.from_matrix(rotation) * planned.inv()).magnitude()
+    return HandRun(log, np.array(qpos), away, np.asarray(turned), lost)
+
+
+def _correct(data: mujoco.MjData, track: Track, index: HandIndex, k: int, servo: float) -> None:
+    """Add the servo's part to the inputs."""
+    error = servo**2 * (track.slides[k] - data.qpos[index.slides])
+    error += 2 * servo * (track.speeds[k] - data.qvel[index.rates])
+    data.ctrl[index.motors] += index.masses * error
+    for tip in index.tips:
+        now, error, angle, rate = data.qpos[tip.qpos], np.zeros(4), np.zeros(3), np.zeros(3)
+        mujoco.mju_mulQuat(error, track.tips[k, tip.finger], now * (1, -1, -1, -1))
+        mujoco.mju_quat2Vel(angle, error, 1.0)
+        mujoco.mju_rotVecQuat(rate, data.qvel[tip.qvel], now)
+        missing = track.motion.tip_velocities[k, tip.finger] - rate
+        data.ctrl[tip.motors] += tip.inertia * tip.axes @ (servo**2 * angle + 2 * servo * missing)

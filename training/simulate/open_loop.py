@@ -1,0 +1,140 @@
+"""The move as exact feedforward makes it in MuJoCo: nothing measured, nothing corrected."""
+
+import time
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ...feedforward import Motion, Reference, solve
+from ...models import Rig, Ropes
+from ...models.mjcf import rig_model as mjcf
+from ...models.mjcf.rig_state import points
+from ...models.mjcf.simulate import accelerations, run
+
+Array = NDArray[np.float64]
+
+STAND_IN = 1e-5
+"""Mass that stands in for that of a massless pulley, over that of all loads."""
+
+AT_ONCE = 1000
+"""States whose tensions are found at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class OpenLoop:
+    """A run at K + 1 instants, one time step apart."""
+
+    times: Array
+    """[s], shape (K + 1,)."""
+    qpos: Array
+    """Joint positions of the model, shape (K + 1, nq)."""
+    qvel: Array
+    """Joint velocities, shape (K + 1, nv)."""
+    distance: Array
+    """Of the load or platform that is farthest from where it should be [m], shape (K + 1,)."""
+    motion: Motion
+    """What `solve` says at the same instants."""
+    model: mujoco.MjModel
+    """The one that ran."""
+    seconds: float
+    """Spent on its steps."""
+
+    def tensions(self) -> Array:
+        """Of the ropes in MuJoCo under the exact inputs of each instant, (K + 1, ropes) [N]."""
+        inputs = self.motion.inputs
+        found = []
+        for begin in range(0, len(self.times), AT_ONCE):
+            part = slice(begin, begin + AT_ONCE)
+            state = (self.qpos[part], self.qvel[part])
+            acceleration = accelerations(self.model, *state, inputs[part])
+            found.append(mjcf.tensions(self.motion.rig, *state, acceleration, inputs[part]))
+        return np.concatenate(found)
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A move's exact motion and inputs for one time step, ready for any model of the rig."""
+
+    times: Array
+    """[s], shape (K + 1,)."""
+    motion: Motion
+    """At these times."""
+    inputs: Array
+    """At the middle of each step, shape (K, drives)."""
+
+    def run(self, model: mujoco.MjModel) -> OpenLoop:
+        """The move in a model of that time step.
+
+        Raises:
+            ModelError: the simulation breaks down.
+        """
+        motion = self.motion
+        start = dict(zip(motion.coordinate_names, motion.positions[0], strict=True))
+        first = mjcf.joint_state(motion.rig, model, start, tensions=motion.tensions[0])
+        begin = time.perf_counter()
+        state = run(model, first.qpos, first.qvel, self.inputs)
+        seconds = time.perf_counter() - begin
+        distance = _distance(motion, state.qpos)
+        return OpenLoop(self.times, state.qpos, state.qvel, distance, motion, model, seconds)
+
+
+def prepare(rig: Rig, reference: Reference, timestep: float, hold: float = 0.0) -> Prepared:
+    """Solve a move for held inputs; parameters and errors as `open_loop`."""
+    steps = round((reference.duration + hold) / timestep)
+    times = np.arange(steps + 1, dtype=np.float64) * timestep
+    inputs = solve(rig, reference, times[:-1] + 0.5 * timestep).inputs
+    return Prepared(times, solve(rig, reference, times), inputs)
+
+
+def open_loop(
+    rig: Rig,
+    reference: Reference,
+    timestep: float = 1e-3,
+    hold: float = 0.0,
+    massless: float | None = None,
+    ropes: str | Ropes = "rigid",
+) -> OpenLoop:
+    """Run the move, the inputs of each step taken at its middle and held.
+
+    Args:
+        rig: the description.
+        reference: path of its outputs.
+        timestep: of the simulation and of the held inputs [s].
+        hold: how long to go on after arrival [s].
+        massless: mass that stands in for that of a massless pulley [kg]; `STAND_IN` if left out.
+        ropes: of the model, as for `models.compile`; the inputs stay those of rigid ones.
+
+    Raises:
+        FlatrigError: the rig cannot follow the path, or MuJoCo cannot hold the rig.
+    """
+    prepared = prepare(rig, reference, timestep, hold)
+    return prepared.run(
+        mjcf.compile(
+            rig, timestep=timestep, visuals=False, massless=massless or stand_in(rig), ropes=ropes
+        )
+    )
+
+
+def stand_in(rig: Rig) -> float | None:
+    """A mass for MuJoCo in place of a massless pulley's [kg]; None if the rig has none."""
+    if all(load.mass > 0 for load in rig.loads):
+        return None
+    return STAND_IN * rig.weight / rig.gravity
+
+
+def _distance(motion: Motion, qpos: Array) -> Array:
+    """How far the worst load or platform is from its place, free pulleys left aside, (N,) [m]."""
+    rig = motion.rig
+    places = points(rig, qpos, np.zeros_like(qpos))
+    passed = {point for rope in rig.ropes for point in rope.path[1:-1]}
+    hanging = [part.name for part in rig.loads if part.name not in passed]
+    hanging += [platform.name for platform in rig.platforms]
+    found = []
+    for name in hanging:
+        wanted = [motion.positions[:, motion.column(f"{name}.{axis}")] for axis in rig.axes]
+        axes = ["xyz".index(axis) for axis in rig.axes]
+        offset = places[name][0][:, axes] - np.stack(wanted, axis=-1)
+        found.append(np.linalg.norm(offset, axis=-1))
+    return np.asarray(np.max(found, axis=0))

@@ -1,0 +1,59 @@
+"""Moves for any rig, drawn at random.
+
+Two in three are tame: about half as far as the shortest rope is long, in no less than the time of
+a swing, as smooth as most rigs need.  The others are wild, and many cannot be followed.
+"""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+
+from ...models import Move, Rig
+
+WILD = 1 / 3
+"""Share of the moves."""
+
+
+def random_move(rig: Rig, rng: np.random.Generator) -> Move:
+    """A move of the rig's outputs from and to somewhere about home."""
+    home = np.array([_home_output(rig, name) for name in rig.outputs])
+    spans = [
+        math.dist(rig.home_point(a), rig.home_point(b))
+        for rope in rig.ropes
+        for a, b in pairwise(rope.path)
+    ]
+    size = float(np.median(spans))
+    angles = [angle for platform in rig.platforms for angle in platform.angles]
+    reach = np.array([0.4 if name in angles else 0.5 * min(spans) for name in rig.outputs])
+    swing = 2.0 * math.pi * math.sqrt(size / rig.gravity)
+    order = int(rng.integers(4, 9))
+    duration = swing * 10.0 ** rng.uniform(0.0, 2.0)
+    if rng.random() < WILD:
+        reach = reach * 10.0 ** rng.uniform(-1.0, 2.0)
+        duration = swing * 10.0 ** rng.uniform(-3.0, 0.5)
+        order = int(rng.integers(0, 9))
+    start, goal = (home + reach * rng.uniform(-1.0, 1.0, len(home)) for _ in range(2))
+    three = order > 0 and rng.random() < 0.3
+    return Move(
+        start=tuple(start.tolist()),
+        goal=tuple(goal.tolist()),
+        duration=float(duration),
+        profile="three_phase" if three else "polynomial",
+        order=order,
+        blend=float(duration * rng.uniform(0.05, 0.5)),
+    )
+
+
+def _home_output(rig: Rig, name: str) -> float:
+    """Value of an output at home."""
+    for part in rig.combinations:
+        if part.name == name:
+            pairs = zip(part.factors, part.of, strict=True)
+            return sum(factor * _home_output(rig, one) for factor, one in pairs)
+    owner, _, letter = name.partition(".")
+    if letter in ("alpha", "beta", "gamma"):
+        return 0.0
+    if letter in ("angle", "position"):
+        return float(rig.home.get(owner, 0.0))  # type: ignore[arg-type]
+    return rig.home_point(owner)["xyz".index(letter)]

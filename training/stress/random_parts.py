@@ -1,0 +1,59 @@
+"""Parts of rigs, drawn at random about one crane's length."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...models import Drive, Frame, Rope, Sheave
+
+LIMIT = 1e6
+"""Of every drive [N, N m]; nothing depends on it."""
+
+
+@dataclass(frozen=True)
+class Dice:
+    """Draws numbers about one crane's length."""
+
+    rng: np.random.Generator
+    size: float
+    """[m]"""
+
+    def decades(self, low: float, high: float) -> float:
+        """A number whose logarithm is spread evenly."""
+        return float(10.0 ** self.rng.uniform(math.log10(low), math.log10(high)))
+
+    def length(self, low: float, high: float) -> float:
+        """A share of the crane's length [m]."""
+        return float(self.size * self.rng.uniform(low, high))
+
+    def maybe(self, share: float = 0.5) -> bool:
+        """True in this share of all cases."""
+        return bool(self.rng.random() < share)
+
+    def mass(self) -> float:
+        """[kg]"""
+        return self.decades(1e-2, 1e4)
+
+    def rope(self, name: str, *path: str) -> Rope:
+        """A rope with a winch of its own, perhaps sheaves and several falls."""
+        sheaves = tuple(
+            Sheave(point, self.decades(1e-6, 1e1), self.decades(1e-2, 1e0))
+            for point in path[1:-1]
+            if self.maybe(0.3)
+        )
+        falls = int(self.rng.integers(2, 7)) if self.maybe(0.15) else 1
+        radius = self.decades(1e-2, 1e0)
+        return Rope(name, path, radius, self.decades(1e-6, 1e2), sheaves, falls)
+
+
+def drives(*parts: str) -> tuple[Drive, ...]:
+    """One on each of these parts."""
+    return tuple(Drive(f"{part}_drive", part, LIMIT) for part in parts)
+
+
+def frame(dice: Dice, name: str = "frame") -> Frame:
+    """One that carries a beam along x round a tower or along y."""
+    if dice.maybe():
+        return Frame(name, "turning", dice.mass() * dice.size**2)
+    return Frame(name, "sliding", dice.mass(), (0.0, 1.0, 0.0))

@@ -1,0 +1,253 @@
+"""Valid rigs of every kind that a description knows, drawn at random.
+
+    rng = np.random.default_rng(7)
+    rig = random_rig(rng)
+    move = random_move(rig, rng)           # flatrig.training.stress.random_moves
+
+Lengths go over four decades, masses over six, the winches' J/r^2 over twelve.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from ...models import WORLD, Anchor, Combination, Frame, Load, Platform, Rail, Rig, Trolley
+from .random_parts import Dice, drives, frame
+
+
+def random_rig(rng: np.random.Generator) -> Rig:
+    """A rig of one of the kinds in `KINDS`."""
+    dice = Dice(rng, float(10.0 ** rng.uniform(-2, 2)))
+    kind = KINDS[int(rng.integers(len(KINDS)))]
+    return kind(dice)
+
+
+def trolley_crane(dice: Dice) -> Rig:
+    """A load below a trolley with a winch, in a plane or on a frame."""
+    frames = () if dice.maybe(0.4) else (frame(dice),)
+    owner = frames[0].name if frames else WORLD
+    out, down = dice.length(0.5, 2.0), dice.length(0.3, 3.0)
+    slope = dice.rng.uniform(-0.4, 0.4) if dice.maybe(0.2) else 0.0
+    direction = (math.cos(slope), 0.0, math.sin(slope))
+    hung = out * direction[0], 0.0, out * direction[2] - down
+    return Rig(
+        name="trolley_crane",
+        dimensions=3 if frames else 2,
+        frames=frames,
+        rails=(Rail("rail", direction, frame=owner),),
+        masses=(Trolley("trolley", dice.mass(), "rail"), Load("load", dice.mass())),
+        ropes=(dice.rope("hoist", "trolley", "load"),),
+        drives=drives(*(one.name for one in frames), "trolley", "hoist"),
+        outputs=("load.x", "load.y", "load.z") if frames else ("load.x", "load.z"),
+        home={"trolley": out, "load": hung},
+    )
+
+
+def roped_crane(dice: Dice) -> Rig:
+    """A trolley between two ropes, one of which runs on to the load."""
+    frames = () if dice.maybe(0.4) else (frame(dice),)
+    owner = frames[0].name if frames else WORLD
+    end, out, down = dice.length(2.0, 4.0), dice.length(0.5, 1.5), dice.length(0.3, 3.0)
+    return Rig(
+        name="roped_crane",
+        dimensions=3 if frames else 2,
+        frames=frames,
+        anchors=(
+            Anchor("inner", (-dice.length(0.1, 1.0), 0.0, 0.0), owner),
+            Anchor("outer", (end, 0.0, 0.0), owner),
+        ),
+        rails=(Rail("rail", (1.0, 0.0, 0.0), frame=owner, start=0.0, end=end),),
+        masses=(Trolley("trolley", dice.mass(), "rail"), Load("load", dice.mass())),
+        ropes=(
+            dice.rope("pull", "outer", "trolley"),
+            dice.rope("hoist", "inner", "trolley", "load"),
+        ),
+        drives=drives("pull", "hoist", *(one.name for one in frames)),
+        outputs=("load.x", "load.y", "load.z") if frames else ("load.x", "load.z"),
+        home={"trolley": out, "load": (out, 0.0, -down)},
+    )
+
+
+def jib_crane(dice: Dice) -> Rig:
+    """A load on a rope from the end of a jib that slides along x."""
+    out, down = dice.length(-1.0, 1.0), dice.length(0.3, 3.0)
+    return Rig(
+        name="jib_crane",
+        dimensions=2,
+        frames=(Frame("jib", "sliding", dice.mass(), (1.0, 0.0, 0.0)),),
+        anchors=(Anchor("tip", (dice.length(0.0, 2.0), 0.0, 0.0), "jib"),),
+        masses=(Load("load", dice.mass()),),
+        ropes=(dice.rope("hoist", "tip", "load"),),
+        drives=drives("jib", "hoist"),
+        outputs=("load.x", "load.z"),
+        home={"jib": out, "load": (out, 0.0, -down)},
+    )
+
+
+def pulley_crane(dice: Dice) -> Rig:
+    """A load on a free pulley that three ropes hold, in a plane or on a turning boom."""
+    turning = dice.maybe()
+    low, middle, high = np.cumsum([dice.length(0.2, 1.0) for _ in range(3)]).tolist()
+    angle = dice.rng.uniform(0.1, 1.4)
+    along = (math.sin(angle), 0.0, math.cos(angle))
+    places = {"low": low, "middle": middle, "high": high}
+    tip = middle * along[0]
+    drop = middle * along[2] - dice.length(0.2, 1.0)
+    frames = (Frame("boom", "turning", dice.mass() * dice.size**2),) if turning else ()
+    return Rig(
+        name="pulley_crane",
+        dimensions=3 if turning else 2,
+        frames=frames,
+        anchors=tuple(
+            Anchor(
+                name,
+                (place * along[0], 0.0, place * along[2]),
+                "boom" if turning else WORLD,
+            )
+            for name, place in places.items()
+        ),
+        masses=(Load("pulley", dice.decades(1e-4, 1e3)), Load("load", dice.mass())),
+        ropes=(
+            dice.rope("tagline", "low", "pulley"),
+            dice.rope("hoist", "middle", "pulley", "load"),
+            dice.rope("suspension", "high", "pulley"),
+        ),
+        drives=drives("tagline", "hoist", "suspension", *(one.name for one in frames)),
+        outputs=("load.x", "load.y", "load.z", "pulley.z")
+        if turning
+        else ("load.x", "load.z", "pulley.z"),
+        home={
+            "pulley": (tip, 0.0, drop),
+            "load": (tip, 0.0, drop - dice.length(0.3, 3.0)),
+        },
+    )
+
+
+def rope_robot(dice: Dice) -> Rig:
+    """A load between three fixed winches, or two in a plane."""
+    count = 2 if dice.maybe() else 3
+    anchors = []
+    for k in range(count):
+        angle = 2 * math.pi * k / count + dice.rng.uniform(-0.3, 0.3) * (count == 3)
+        y = 0.0 if count == 2 else dice.size * math.sin(angle)
+        anchors.append(Anchor(f"mast_{k}", (dice.size * math.cos(angle), y, dice.length(0.0, 0.4))))
+    names = [f"rope_{k}" for k in range(count)]
+    return Rig(
+        name="rope_robot",
+        dimensions=3 if count == 3 else 2,
+        anchors=tuple(anchors),
+        masses=(Load("load", dice.mass()),),
+        ropes=tuple(
+            dice.rope(name, anchor.name, "load")
+            for name, anchor in zip(names, anchors, strict=True)
+        ),
+        drives=drives(*names),
+        outputs=("load.x", "load.y", "load.z") if count == 3 else ("load.x", "load.z"),
+        home={"load": (dice.length(-0.2, 0.2), 0.0, -dice.length(0.2, 2.0))},
+    )
+
+
+def tandem_crane(dice: Dice) -> Rig:
+    """Two trolleys on one line that hold a load between them."""
+    left, right, down = -dice.length(0.2, 1.0), dice.length(0.2, 1.0), dice.length(0.3, 2.0)
+    return Rig(
+        name="tandem_crane",
+        dimensions=2,
+        rails=(Rail("rail", (1.0, 0.0, 0.0)),),
+        masses=(
+            Trolley("left", dice.mass(), "rail"),
+            Trolley("right", dice.mass(), "rail"),
+            Load("load", dice.mass()),
+        ),
+        ropes=(dice.rope("hoist_left", "left", "load"), dice.rope("hoist_right", "right", "load")),
+        drives=drives("left", "right", "hoist_left", "hoist_right"),
+        combinations=(
+            Combination("middle", ("left.position", "right.position"), (0.5, 0.5)),
+            Combination("spread", ("left.position", "right.position"), (-1.0, 1.0)),
+        ),
+        outputs=("load.x", "load.z", "middle", "spread"),
+        home={"left": left, "right": right, "load": (0.0, 0.0, -down)},
+    )
+
+
+def platform_crane(dice: Dice) -> Rig:
+    """A platform on three ropes from trolleys on a gantry, or on six from fixed winches."""
+    side, down = dice.length(0.3, 1.0), dice.length(1.0, 4.0)
+    mass = dice.mass()
+    first, second = (mass * side**2 * dice.rng.uniform(0.05, 0.2) for _ in range(2))
+    third = dice.rng.uniform(abs(first - second), first + second)
+    platform = Platform("platform", mass, (first, second, third))
+    return (_gantry if dice.maybe() else _six_ropes)(dice, platform, side, down)
+
+
+def _corners(side: float) -> tuple[Anchor, ...]:
+    angles = [2 * math.pi * k / 3 for k in range(3)]
+    return tuple(
+        Anchor(f"corner_{k}", (side * math.cos(a), side * math.sin(a), 0.0), "platform")
+        for k, a in enumerate(angles)
+    )
+
+
+def _gantry(dice: Dice, platform: Platform, side: float, down: float) -> Rig:
+    corners = _corners(side)
+    numbers = range(3)
+    return Rig(
+        name="gantry_platform",
+        frames=(Frame("gantry", "sliding", dice.mass(), (0.0, 1.0, 0.0)),),
+        anchors=corners,
+        rails=tuple(
+            Rail(f"rail_{k}", (1.0, 0.0, 0.0), (0.0, corners[k].position[1], 0.0), "gantry")
+            for k in numbers
+        ),
+        masses=(*(Trolley(f"trolley_{k}", dice.mass(), f"rail_{k}") for k in numbers), platform),
+        ropes=tuple(dice.rope(f"hoist_{k}", f"trolley_{k}", f"corner_{k}") for k in numbers),
+        drives=drives(
+            "gantry", *(f"trolley_{k}" for k in numbers), *(f"hoist_{k}" for k in numbers)
+        ),
+        combinations=(
+            Combination("spread", tuple(f"trolley_{k}.position" for k in numbers), (1, -0.5, -0.5)),
+        ),
+        outputs=(*_pose(), "spread"),
+        home={
+            **{f"trolley_{k}": corners[k].position[0] for k in numbers},
+            "platform": (0.0, 0.0, -down),
+        },
+    )
+
+
+def _six_ropes(dice: Dice, platform: Platform, side: float, down: float) -> Rig:
+    wide = side * dice.rng.uniform(1.5, 4.0)
+    angles = [2 * math.pi * k / 3 + turn for k in range(3) for turn in (-0.5, 0.5)]
+    ropes = range(6)
+    return Rig(
+        name="six_rope_platform",
+        anchors=(
+            *_corners(side),
+            *(
+                Anchor(f"mast_{k}", (wide * math.cos(a), wide * math.sin(a), 0.0))
+                for k, a in enumerate(angles)
+            ),
+        ),
+        masses=(platform,),
+        ropes=tuple(dice.rope(f"rope_{k}", f"mast_{k}", f"corner_{k // 2}") for k in ropes),
+        drives=drives(*(f"rope_{k}" for k in ropes)),
+        outputs=_pose(),
+        home={"platform": (0.0, 0.0, -down)},
+    )
+
+
+def _pose() -> tuple[str, ...]:
+    return tuple(f"platform.{name}" for name in ("x", "y", "z", "alpha", "beta", "gamma"))
+
+
+KINDS: tuple[Callable[[Dice], Rig], ...] = (
+    trolley_crane,
+    roped_crane,
+    jib_crane,
+    pulley_crane,
+    rope_robot,
+    tandem_crane,
+    platform_crane,
+)
+"""One function for each."""

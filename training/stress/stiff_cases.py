@@ -1,0 +1,247 @@
+"""Stressed cases of stiff models: how large a time step they bear, and what comes of a larger one.
+
+RK4 holds a swing of angular frequency w for steps below sqrt(8)/w, MuJoCo's semi-implicit Euler
+below 2/w.  The fastest swing is found from the description: in closed form for an elastic rope,
+sqrt(k (1/m + 1/a)) with the load m and the winch's a = J/r^2, otherwise by linearising the
+equations about home.  The largest stable step is found in MuJoCo by bisection: a small swing in
+the fastest mode must not grow.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from typing import Any, NamedTuple
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ... import models
+from ...feedforward import Equations, Motion, equations_of, from_move, hold, redundant, solve
+from ...models import ModelError, Rig
+from ...models.mjcf import rig_model as mjcf
+from ...models.mjcf.ropes import Ropes
+from ...models.mjcf.simulate import accelerations, run
+from ..simulate.open_loop import open_loop
+from .case import STOPPED, Case, Found, Stopped, worst
+from .solver_cases import TROLLEYS, resized
+
+Array = NDArray[np.float64]
+
+LIMITS = {"RK4": math.sqrt(8.0), "EULER": 2.0}
+"""Largest stable step times angular frequency, on the imaginary axis."""
+BEYOND = 4.0
+"""Times the stable step: what a run with too large a one takes."""
+NEAR = 0.01
+"""Relative tolerance of a stability limit."""
+SWING, GROWN, STEPS = 1e-9, 100.0, 1500
+"""Initial swing over the crane's size, how much of it is growth, and steps to wait for it."""
+BISECTIONS = 9
+DIFFERENCE = 1e-6
+"""Of coordinates, over the crane's size, to linearise by."""
+
+
+def cases() -> Iterator[Case]:
+    """All of them."""
+    for exponent in range(3, 10):
+        row, stiffness = f"rope of 1e{exponent} N/m", 10.0**exponent
+        for integrator in LIMITS:
+            yield Case(row, f"step limit, {integrator}", partial(rope, stiffness, integrator))
+        yield Case(row, "open loop", partial(elastic_move, stiffness))
+        beyond = partial(elastic_move, stiffness, BEYOND)
+        yield Case(row, "open loop beyond the limit", beyond, (STOPPED,))
+    for exponent in range(0, -7, -1):
+        row, mass = f"pulley of 1e{exponent} kg", 10.0**exponent
+        for name in ("navy_crane_2d", "navy_crane_3d"):
+            yield Case(row, f"step limit, {name}", partial(pulley, name, mass))
+        if exponent < 0:
+            yield Case(row, "open loop, navy_crane_2d", partial(light_move, mass))
+            beyond = partial(light_move, mass, BEYOND)
+            yield Case(row, "open loop beyond the limit", beyond, (STOPPED,))
+    for exponent in (-3, -1, 1, 3):
+        check = partial(rigid, "overhead_crane", 10.0**exponent, 10.0)
+        yield Case("swing on 1e-3 to 1e3 m", f"step limit, rope 1e{exponent} m", check)
+    for exponent in (-3, -1, 1, 3, 4):
+        for name in TROLLEYS:
+            check = partial(rigid, name, None, 10.0**exponent)
+            label = f"step limit, {name} at 1e{exponent}"
+            yield Case("swing at mass ratios 1e-3 to 1e4", label, check)
+
+
+class Swing(NamedTuple):
+    """The fastest swing of a model about a rest."""
+
+    frequency: float
+    """Angular, of the linearised model [rad/s]."""
+    mode: Array
+    """Joint positions, the largest one 1, shape (nq,)."""
+    measure: Array
+    """What gives the mode's amplitude from joint positions, shape (nq,)."""
+
+
+def fastest(model: mujoco.MjModel, rest: Array, ctrl: Array, size: float) -> Swing:
+    """Linearise a model about a rest by central differences."""
+    shifts = DIFFERENCE * size * np.eye(model.nv)
+    states = np.concatenate((rest + shifts, rest - shifts))
+    inputs = np.broadcast_to(ctrl, (len(states), model.nu))
+    found = accelerations(model, states, np.zeros_like(states), inputs)
+    ahead, behind = found[: model.nv], found[model.nv :]
+    matrix = (ahead - behind).T / (2.0 * DIFFERENCE * size)
+    squares, right = np.linalg.eig(matrix)
+    k = int(np.argmin(squares.real))
+    mode = np.real(right[:, k])
+    kept, left = np.linalg.eig(matrix.T)
+    measure = np.real(left[:, int(np.argmin(kept.real))])
+    mode = mode / np.abs(mode).max()
+    return Swing(float(np.sqrt(-squares[k].real)), mode, measure / (measure @ mode))
+
+
+def largest_step(
+    model: mujoco.MjModel, swing: Swing, rest: Array, ctrl: Array, size: float
+) -> float:
+    """The largest time step for which a small swing does not grow [s]."""
+    guess = 2.5 / swing.frequency
+    low, high = 0.5 * guess, 2.0 * guess
+    for _ in range(BISECTIONS + 1):
+        middle = math.sqrt(low * high)
+        low, high = (
+            (middle, high) if _stable(model, middle, swing, rest, ctrl, size) else (low, middle)
+        )
+    return math.sqrt(low * high)
+
+
+def _stable(
+    model: mujoco.MjModel, step: float, swing: Swing, rest: Array, ctrl: Array, size: float
+) -> bool:
+    model.opt.timestep = step
+    start = rest + SWING * size * swing.mode
+    controls = np.broadcast_to(ctrl, (STEPS, model.nu))
+    try:
+        state = run(model, start, np.zeros(model.nv), controls)
+    except ModelError:  # it breaks down
+        return False
+    amplitude = np.abs((state.qpos - rest) @ swing.measure)
+    return bool(amplitude.max() < GROWN * SWING * size)
+
+
+def _limit(model: mujoco.MjModel, theory: float, at: Motion, size: float, integrator: str) -> Found:
+    """The limit found against the one in theory, given the fastest angular frequency in theory."""
+    start = dict(zip(at.coordinate_names, at.positions[0], strict=True))
+    rest = mjcf.joint_state(at.rig, model, start, tensions=at.tensions[0]).qpos
+    swing = fastest(model, rest, at.inputs[0], size)
+    found = largest_step(model, swing, rest, at.inputs[0], size)
+    expected = LIMITS[integrator] / theory
+    error = abs(found / expected - 1.0)
+    return Found(error, NEAR, "step limit", found, expected)
+
+
+def at_rest(rig: Rig) -> Motion:
+    """Where the default move ends."""
+    return solve(rig, hold(models.default_move(rig).goal), [0.0])
+
+
+def rope(stiffness: float, integrator: str) -> Found:
+    """An elastic rope without damping, on the overhead crane."""
+    rig = models.overhead_crane()
+    ropes = Ropes("elastic", stiffness=stiffness, damping=0.0)
+    model = mjcf.compile(rig, visuals=False, integrator=integrator, ropes=ropes)
+    mobility = rig.gravity / rig.weight + 1.0 / rig.ropes[0].inertia_along
+    home = solve(rig, hold((0.0, -4.0)), [0.0])
+    return _limit(model, math.sqrt(stiffness * mobility), home, 1.0, integrator)
+
+
+def pulley(name: str, mass: float) -> Found:
+    """A light free pulley without weight, where the default move ends."""
+    rig = models.make(name, pulley_mass=0.0)
+    model = mjcf.compile(rig, visuals=False, massless=mass)
+    masses = tuple(replace(one, mass=mass) if one.mass == 0 else one for one in rig.masses)
+    equations = equations_of(replace(rig, masses=masses))
+    force = equations.force.copy()
+    force[equations.names.index("pulley.z")] = 0.0
+    rest = at_rest(rig)
+    theory = frequency(replace(equations, force=force), rest, 10.0)
+    return _limit(model, theory, rest, 10.0, "RK4")
+
+
+def rigid(name: str, length: float | None, ratio: float) -> Found:
+    """The pendulum on rigid ropes, its load so many times as heavy as its trolley."""
+    rig = models.make(name, load_mass=10.0 * ratio)
+    size = math.dist(*(rig.home_point(point) for point in rig.ropes[-1].path[-2:]))
+    if length is not None:
+        rig, size = resized(rig, length / size), length
+    model = mjcf.compile(rig, visuals=False)
+    home = solve(rig, hold(rig.home_point("load")[:: 4 - rig.dimensions]), [0.0])
+    theory = frequency(equations_of(rig), home, size)
+    found = _limit(model, theory, home, size, "RK4")
+    if name != "overhead_crane":
+        return found
+    closed = math.sqrt(rig.gravity / size * (1.0 + ratio))
+    return worst(found, Found(abs(theory / closed - 1.0), 1e-6, "closed form of the pendulum"))
+
+
+def frequency(equations: Equations, rest: Motion, size: float) -> float:
+    """The highest angular frequency of the equations linearised about a rest [rad/s]."""
+    ropes = {rope.coordinate for rope in equations.rig.ropes}
+    names = [name for name in equations.rig.coordinate_names if name not in ropes]
+    home = [rest.positions[0, rest.column(name)] for name in names]
+    shifts = DIFFERENCE * size * np.eye(len(names))
+    table = np.concatenate((shifts, -shifts)) + home
+    values = dict(zip(names, table.T, strict=True))
+    rates = {name: np.zeros(len(table)) for name in names}
+    state, rate = redundant(equations, values, rates)
+    inputs = np.tile(rest.inputs[0], (len(table), 1))
+    found, _ = equations.accelerations(state, rate, inputs)
+    columns = []
+    for name in names:
+        turning = [(cos, sin) for angle, cos, sin in equations.turning if angle == name]
+        if turning:  # at rest the angle's acceleration is cos sin'' - sin cos''
+            ((cos, sin),) = turning
+            columns.append(state[:, cos] * found[:, sin] - state[:, sin] * found[:, cos])
+        else:
+            columns.append(found[:, equations.names.index(name)])
+    change = np.array(columns)[:, : len(names)] - np.array(columns)[:, len(names) :]
+    squares = np.linalg.eigvals(change / (2.0 * DIFFERENCE * size))
+    return float(np.sqrt(-squares.real.min()))
+
+
+STRETCHED = 100.0
+"""Of the overhead crane's default move: how far elastic ropes may take it off, times k [N]."""
+LIGHT = 0.02
+"""Of the planar Navy crane's: how far off for each kilogram of pulley [m/kg]."""
+HELD = 1e-5
+"""Of both: how far inputs held over a step may take it off [m]."""
+REACH = 30.0
+"""A load so far from its path has left the crane [m]."""
+
+
+def elastic_move(stiffness: float, share: float = 0.25) -> Found:
+    """The overhead crane's move on an elastic rope, at a share of the step that it bears."""
+    rig = models.overhead_crane()
+    mobility = rig.gravity / rig.weight + 1.0 / rig.ropes[0].inertia_along
+    step = share * LIMITS["RK4"] / math.sqrt(stiffness * mobility)
+    ropes = Ropes("elastic", stiffness=stiffness, damping_ratio=0.02)
+    return _landed(rig, step, share, STRETCHED / stiffness + HELD, ropes=ropes)
+
+
+def light_move(mass: float, share: float = 0.2) -> Found:
+    """The planar Navy crane's move with a small mass for none, at a share of the stable step."""
+    theory = pulley("navy_crane_2d", mass).theory
+    assert theory is not None
+    rig = models.navy_crane_2d(pulley_mass=0.0)
+    return _landed(rig, share * theory, share, LIGHT * mass + HELD, massless=mass)
+
+
+def _landed(rig: Rig, step: float, share: float, tolerance: float, **options: Any) -> Found:
+    """The default move in open loop: the largest distance of the load from its path."""
+    reference = from_move(models.default_move(rig))
+    step = step if share > 1 else min(step, 1e-3)
+    step = reference.duration / math.ceil(reference.duration / step)
+    try:
+        found = open_loop(rig, reference, step, **options)
+    except ModelError as error:
+        raise Stopped(str(error)) from None
+    distance = float(found.distance.max())
+    if distance > REACH:
+        raise Stopped(f"the load leaves the crane, {distance:.2g} m from its path")
+    return Found(distance, tolerance, "distance [m]")
