@@ -15,16 +15,14 @@ from collections.abc import Mapping
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..models.errors import OptionError, did_you_mean
 from ..models.friction import Friction
 from ..models.rig.rig import Frame, Rope
+from ..models.types import Array
 from .controllers import AnyEnv, Law, refuse_below, task_of, wrap
 from .crane.disturbances import Disturbances
 from .crane.task import CraneTask
-
-Array = NDArray[np.float64]
 
 Speed = Literal["reference", "measured"]
 

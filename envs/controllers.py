@@ -23,14 +23,14 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.envs.registration import EnvSpec, WrapperSpec
 from gymnasium.vector import VectorEnv, VectorWrapper
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..models.errors import OptionError
+from ..models.types import Array
 from .crane.tuning import Gains, Track
 from .episodes import Task
 from .option_checks import actions_of, number
 
-Array = NDArray[np.float64]
 AnyEnv = gym.Env[Any, Any] | VectorEnv[Any, Any, Any]
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..models.errors import OptionError
+from ..models.types import Array, Mask
 from .crane.disturbances import Scenario
 from .crane.plant import NOT_FINITE, Ids
 from .crane.tuning import Gains, Track
@@ -18,9 +19,6 @@ from .option_checks import actions_of
 from .rewards import NAMES as REWARD_NAMES
 from .rewards import Reward
 from .signals import Commands, Encoders, Rows
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 TIME = "time"
 """Why an episode is truncated."""

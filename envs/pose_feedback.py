@@ -15,13 +15,11 @@ corrected along the way only, and what is off after arrival stays.
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..models.errors import OptionError
+from ..models.types import Array
 from .controllers import AnyEnv, Law, PDLaw, laws_of, refuse_below, task_of, wrap
 from .hand.task import HandTask
-
-Array = NDArray[np.float64]
 
 FASTEST = 2.0
 """Correction of the object's twist at most, in its radii per second."""

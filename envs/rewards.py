@@ -8,11 +8,9 @@ An episode that ends early gets nothing in its last step, and nothing thereafter
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..models.types import Array
 from .crane.geometry import Scales
-
-Array = NDArray[np.float64]
 
 NEAR = 0.0125
 """Distance D that halves the reward, over the typical length of the rig (5 cm for 4 m)."""

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.errors import OptionError
+from ..models.types import Array
 from .crane.disturbances import LONGEST_DELAY
 from .crane.plan import Layout, Plan
 from .crane.plant import Ids
 
-Array = NDArray[np.float64]
 Steps = NDArray[np.int64]
 
 MEMORY = 1.0

@@ -3,17 +3,15 @@
 from typing import Any
 
 import gymnasium as gym
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import models
+from ..models.types import Array
 from .crane.task import CraneTask
 from .episodes import Task
 from .option_checks import actions_of, check_options, seed_of
 from .rendering import MODES, Camera, check_mode
 from .spaces import action_space, observation_space
-
-Array = NDArray[np.float64]
 
 OPTIONS = ("scenario", "reference")
 

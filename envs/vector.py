@@ -11,14 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import models
 from ..models.errors import OptionError
+from ..models.types import Array, Mask
 from .crane.task import CraneTask
 from .episodes import Task
 from .option_checks import check_options, seed_of
 from .rendering import Camera, check_mode
 from .spaces import action_space, observation_space
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 OPTIONS = ("scenarios", "references", "reset_mask")
 

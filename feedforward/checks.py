@@ -4,11 +4,9 @@ import math
 import operator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..models.errors import PathError
-
-FloatArray = NDArray[np.float64]
+from ..models.types import Array
 
 SHORTEST, LONGEST = 1e-6, 1e9
 """Durations [s] whose powers, by which derivatives are divided, stay far from overflow."""
@@ -23,8 +21,10 @@ HIGHEST_DERIVATIVE = 30
 def check_order(name: str, order: object, *, lowest: int = 0, highest: int | None = None) -> int:
     """The order of a path, or of the derivatives wanted from it.
 
-    Raises:
-        PathError: it is not a whole number, or out of range.
+    Raises
+    ------
+    PathError
+        It is not a whole number, or out of range.
     """
     limits = f">= {lowest}" if highest is None else f"from {lowest} to {highest}"
     try:
@@ -39,8 +39,10 @@ def check_order(name: str, order: object, *, lowest: int = 0, highest: int | Non
 def check_derivative(order: object) -> int:
     """The order of the highest derivative wanted from a path.
 
-    Raises:
-        PathError: it is not a whole number from 0 to 30.
+    Raises
+    ------
+    PathError
+        It is not a whole number from 0 to 30.
     """
     return check_order("order of the derivatives", order, highest=HIGHEST_DERIVATIVE)
 
@@ -48,8 +50,10 @@ def check_derivative(order: object) -> int:
 def check_duration(duration: object, name: str = "duration") -> float:
     """A time that something takes, in s.
 
-    Raises:
-        PathError: it is not a number > 0, or absurdly small or large.
+    Raises
+    ------
+    PathError
+        It is not a number > 0, or absurdly small or large.
     """
     number = as_number(duration)
     if not SHORTEST <= number <= LONGEST:
@@ -62,8 +66,10 @@ def check_duration(duration: object, name: str = "duration") -> float:
 def check_point(name: str, point: object) -> tuple[float, ...]:
     """A point of the path, one finite coordinate or more, none absurdly large.
 
-    Raises:
-        PathError: it is something else.
+    Raises
+    ------
+    PathError
+        It is something else.
     """
     try:
         array = np.atleast_1d(np.asarray(point, dtype=np.float64))
@@ -77,11 +83,13 @@ def check_point(name: str, point: object) -> tuple[float, ...]:
     return tuple(array.tolist())
 
 
-def check_times(times: object) -> FloatArray:
+def check_times(times: object) -> Array:
     """Times as an array of shape (N,).
 
-    Raises:
-        PathError: a time is NaN or not a number, or they have another shape.
+    Raises
+    ------
+    PathError
+        A time is NaN or not a number, or they have another shape.
     """
     try:
         array = np.atleast_1d(np.asarray(times, dtype=np.float64))

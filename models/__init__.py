@@ -126,8 +126,10 @@ __all__ = [
 def compile(rig: Rig, **options: Any) -> "mujoco.MjModel":
     """The rig's MuJoCo model; see `flatrig.models.mjcf.rig_model.compile` for the options.
 
-    Raises:
-        ModelError: MuJoCo cannot hold the rig, or would simulate something else.
+    Raises
+    ------
+    ModelError
+        MuJoCo cannot hold the rig, or would simulate something else.
     """
     from .mjcf import rig_model as mjcf
 
@@ -137,8 +139,10 @@ def compile(rig: Rig, **options: Any) -> "mujoco.MjModel":
 def compile_hand(hand: Hand, **options: Any) -> "mujoco.MjModel":
     """The hand's MuJoCo model; see `flatrig.models.mjcf.hand_model.compile_hand` for the options.
 
-    Raises:
-        ModelError: the object cannot be held at home, or MuJoCo refuses the model.
+    Raises
+    ------
+    ModelError
+        The object cannot be held at home, or MuJoCo refuses the model.
     """
     from .mjcf import hand_model as hand_mjcf
 

@@ -17,8 +17,10 @@ class OutputError(FlatrigError):
 def replacing(path: str | Path) -> Iterator[Path]:
     """A path beside `path` to write to; renamed to it on success, removed on failure.
 
-    Raises:
-        OutputError: the folder cannot be made or written to.
+    Raises
+    ------
+    OutputError
+        The folder cannot be made or written to.
     """
     path = Path(path)
     try:
@@ -47,8 +49,10 @@ def _umask() -> int:
 def write_text(path: str | Path, text: str) -> None:
     """Write a text file at once.
 
-    Raises:
-        OutputError: it cannot be written.
+    Raises
+    ------
+    OutputError
+        It cannot be written.
     """
     with replacing(path) as beside:
         beside.write_text(text, encoding="utf-8")

@@ -18,20 +18,21 @@ import math
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .errors import OptionError
-
-Array = NDArray[np.float64]
+from .types import Array
 
 
 @dataclass(frozen=True)
 class Friction:
     """A law of friction along a rope, or of any other drive in its own units.
 
-    Raises:
-        OptionError: a value is not a finite number >= 0 (the velocities: > 0), or static friction
-            is less than Coulomb friction.
+    Raises
+    ------
+    OptionError
+        A value is not a finite number >= 0 (the velocities: > 0), or static friction
+        is less than Coulomb friction.
     """
 
     coulomb: float

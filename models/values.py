@@ -23,8 +23,10 @@ T = TypeVar("T")
 def number(label: str, value: object, *, endless: bool = False) -> float:
     """A finite number, from any real type; an infinite one too if `endless`.
 
-    Raises:
-        RigError: it is none.
+    Raises
+    ------
+    RigError
+        It is none.
     """
     if isinstance(value, bool) or not isinstance(value, Real):
         raise RigError(f"{label} is {value!r}, it must be a number")
@@ -42,8 +44,10 @@ def number(label: str, value: object, *, endless: bool = False) -> float:
 def whole(label: str, value: object) -> int:
     """A whole number, also one written as 4.0.
 
-    Raises:
-        RigError: it is none.
+    Raises
+    ------
+    RigError
+        It is none.
     """
     plain = number(label, value)
     if not plain.is_integer():
@@ -54,8 +58,10 @@ def whole(label: str, value: object) -> int:
 def word(label: str, value: object) -> str:
     """A name.
 
-    Raises:
-        RigError: it is none.
+    Raises
+    ------
+    RigError
+        It is none.
     """
     if not isinstance(value, str):
         raise RigError(f"{label} is {value!r}, it must be a name")
@@ -65,8 +71,10 @@ def word(label: str, value: object) -> str:
 def sequence(label: str, value: object) -> tuple[Any, ...]:
     """A tuple from a list, tuple or array.
 
-    Raises:
-        RigError: it is none of these.
+    Raises
+    ------
+    RigError
+        It is none of these.
     """
     if isinstance(value, np.ndarray):
         value = value.tolist()
@@ -78,8 +86,10 @@ def sequence(label: str, value: object) -> tuple[Any, ...]:
 def vector(label: str, value: object) -> Vector:
     """Three finite numbers.
 
-    Raises:
-        RigError: they are not.
+    Raises
+    ------
+    RigError
+        They are not.
     """
     values = sequence(label, value)
     if len(values) != 3:
@@ -91,8 +101,10 @@ def vector(label: str, value: object) -> Vector:
 def clean(part: Any) -> None:
     """Make the fields of a frozen dataclass what their annotations say.
 
-    Raises:
-        RigError: a value is not what its field needs.
+    Raises
+    ------
+    RigError
+        A value is not what its field needs.
     """
     name = getattr(part, "name", getattr(part, "at", ""))
     owner = f"{type(part).__name__.lower()} {name}"

@@ -48,8 +48,10 @@ class RigOptions:
     def target(self) -> tuple[Rig, Move]:
         """The rig and its move, with the changes made.
 
-        Raises:
-            FlatrigError: something names what does not exist, or has a value it cannot have.
+        Raises
+        ------
+        FlatrigError
+            Something names what does not exist, or has a value it cannot have.
         """
         if self.turning:
             raise OptionError(f"--turning {self.turning} is for hands, {self.rig} is none")
@@ -262,8 +264,10 @@ def check_number(
 ) -> None:
     """Refuse an option that is not a finite number above (or at) its lowest value.
 
-    Raises:
-        OptionError: with the value and what would be right.
+    Raises
+    ------
+    OptionError
+        With the value and what would be right.
     """
     good = math.isfinite(value) and (value > lowest if open_end else value >= lowest)
     if not good:

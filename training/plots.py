@@ -5,11 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..models.files import replacing
-
-Array = NDArray[np.float64]
+from ..models.types import Array
 
 COLOURS = ("#8c8c8c", "#56b4e9", "#e69f00", "#0072b2", "#d55e00", "#009e73")
 """Told apart with any colour vision (Okabe and Ito)."""
@@ -47,8 +45,10 @@ def title(axes: Any, text: str) -> None:
 def save(made: Any, path: str | Path) -> None:
     """Write a figure as PNG.
 
-    Raises:
-        OutputError: the file cannot be written.
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
     """
     with replacing(path) as beside:
         made.savefig(beside, dpi=_STYLE["savefig.dpi"], metadata={"Software": None})
@@ -65,14 +65,22 @@ def comparison(
 ) -> None:
     """Errors of controllers over time, and how they are spread over the scenarios.
 
-    Args:
-        heading: above the figure.
-        names: of the controllers.
-        times: [s], shape (T,).
-        arrival: when the reference has arrived [s].
-        distances: for each controller the load's distance from its reference [m], (T, N).
-        path: PNG to write.
-        what: is off its reference.
+    Parameters
+    ----------
+    heading
+        Above the figure.
+    names
+        Of the controllers.
+    times
+        [s], shape (T,).
+    arrival
+        When the reference has arrived [s].
+    distances
+        For each controller the load's distance from its reference [m], (T, N).
+    path
+        PNG to write.
+    what
+        Is off its reference.
     """
     made, (left, right) = figure(10.0, 4.4, ncols=2, width_ratios=(1.55, 1.0))
     made.suptitle(heading, x=0.012, ha="left", fontsize=11, fontweight="bold")

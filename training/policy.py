@@ -24,16 +24,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from safetensors import SafetensorError
 from safetensors.numpy import load_file, save
 
 from ..envs.crane.task import CraneTask
 from ..models.errors import OptionError
 from ..models.files import replacing, write_text
+from ..models.types import Array
 from .recall import Memory, Recall
-
-Array = NDArray[np.float64]
 
 FORMAT = 1
 """Version of the files."""
@@ -145,8 +143,10 @@ class Policy:
     def check(self, task: CraneTask) -> None:
         """Make sure that an environment's task is what the policy was trained on.
 
-        Raises:
-            OptionError: it is another rig, control rate, or set of observations or actions.
+        Raises
+        ------
+        OptionError
+            It is another rig, control rate, or set of observations or actions.
         """
         card = self.card
         if task.rig.name != card.rig:
@@ -172,8 +172,10 @@ class Policy:
     def save(self, path: str | Path) -> None:
         """Write `path` with the suffixes .safetensors and .json.
 
-        Raises:
-            OutputError: they cannot be written.
+        Raises
+        ------
+        OutputError
+            They cannot be written.
         """
         path = Path(path)
         tensors = {"mean": self.mean, "scale": self.scale}
@@ -187,8 +189,10 @@ class Policy:
     def load(cls, path: str | Path) -> "Policy":
         """Read a policy from `path`, with either suffix or none.
 
-        Raises:
-            OptionError: a file is missing or is not a policy of this version.
+        Raises
+        ------
+        OptionError
+            A file is missing or is not a policy of this version.
         """
         path = Path(path)
         try:

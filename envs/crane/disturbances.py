@@ -14,14 +14,13 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...models.errors import OptionError, did_you_mean
 from ...models.rig.rig import Rig
 from ..option_checks import number as checked
 from .payloads import payloads
 
-Array = NDArray[np.float64]
 Range = tuple[float, float]
 
 NONE: Range = (0.0, 0.0)
@@ -34,8 +33,10 @@ LONGEST_DELAY = 31
 class Scenario:
     """How one plant differs from its rig; the defaults do not differ.
 
-    Raises:
-        OptionError: a number is not finite or not one that it can be, or gusts have no frequency.
+    Raises
+    ------
+    OptionError
+        A number is not finite or not one that it can be, or gusts have no frequency.
     """
 
     load_mass: float = 1.0
@@ -100,9 +101,11 @@ class Disturbances:
     Directions and the gusts' phase are drawn from the whole circle.  The resolution of encoders and
     the speed of Stribeck are one number each, the same in all scenarios.
 
-    Raises:
-        OptionError: a range is upside down or holds a value that no scenario can have, or gusts
-            have no frequency.
+    Raises
+    ------
+    OptionError
+        A range is upside down or holds a value that no scenario can have, or gusts
+        have no frequency.
     """
 
     load_mass: Range = (1.0, 1.0)
@@ -166,8 +169,10 @@ class Disturbances:
     def check(self, scenario: object) -> None:
         """Refuse what an environment made for these cannot simulate; None stands for any.
 
-        Raises:
-            OptionError: it is no scenario, or has friction where no range has.
+        Raises
+        ------
+        OptionError
+            It is no scenario, or has friction where no range has.
         """
         if scenario is None:
             return
@@ -236,8 +241,10 @@ DIMENSIONS = len(_DRAWN)
 def design(disturbances: Disturbances, number: int, seed: int) -> list[Scenario]:
     """Scenarios that cover the ranges evenly: one Latin hypercube, the same for the same seed.
 
-    Raises:
-        OptionError: `number` is not a whole number >= 1 or `seed` not one >= 0.
+    Raises
+    ------
+    OptionError
+        `number` is not a whole number >= 1 or `seed` not one >= 0.
     """
     from scipy.stats import qmc  # only here: slow to import
 
@@ -273,8 +280,10 @@ def _check(owner: str, name: str, value: object) -> None:
 def as_disturbances(value: Disturbances | Mapping[str, Any] | str | None, rig: Rig) -> Disturbances:
     """The option `disturbances` of an environment: None, "standard", ranges by name, or ready.
 
-    Raises:
-        OptionError: it is something else.
+    Raises
+    ------
+    OptionError
+        It is something else.
     """
     if value is None:
         return Disturbances()

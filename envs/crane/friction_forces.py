@@ -14,12 +14,10 @@ while both slip, since they slip together; while they stick, the tension is off 
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
-from numpy.typing import NDArray
 
 from ...models.rig.rig import Rig
+from ...models.types import Array
 from .disturbances import Scenario
-
-Array = NDArray[np.float64]
 
 FAINT = 1e-9
 """Regularisation of the split of friction among drives that rub on the same joint."""

@@ -15,15 +15,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import OptionError
 from ...models.mjcf.rig_state import State, coordinates, points, spans
 from ...models.rig.chain import joint_names, pulleys
 from ...models.rig.rig import Anchor, Rig
 from ...models.rig.turning_axes import carry
-
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 REACH = 25.0
 """How far a joint may go from home: so many times `Scales.length`, or times 1 m if that is longer;

@@ -24,16 +24,14 @@ Values beyond +-`LIMIT` are cut off.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.rig.rig import Frame, Rig
+from ...models.types import Array
 from ..signals import Encoders, Rows
 from .geometry import Scales
 from .outputs import levers
 from .plan import AHEAD
 from .plant import Plant
-
-Array = NDArray[np.float64]
 
 LIMIT = 100.0
 """Largest magnitude of an entry."""

@@ -7,14 +7,13 @@ such.  Loads and platforms are read from their sites in the world; the rest from
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
-from numpy.typing import NDArray
 
 from ...models.rig.chain import links
 from ...models.rig.parts import Combination, Load, Platform, Trolley
 from ...models.rig.rig import Rig
+from ...models.types import Array
 from .geometry import Scales, evenly
 
-Array = NDArray[np.float64]
 Term = tuple[str, int, float]
 """Where a coordinate, or a part of it, is read: source, column, factor."""
 

@@ -14,14 +14,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ... import feedforward
 from ...feedforward.paths.reference import Reference
 from ...models.errors import OptionError
 from ...models.rig.rig import Rig
-
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 AHEAD = (0.1, 0.2, 0.4)
 """How far ahead the preview looks [s]."""

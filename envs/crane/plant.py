@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.rig_state import State, coordinates, joint_state, points
 from ...models.rig.rig import Load, Platform, Rig
+from ...models.types import Array
 from .disturbances import Scenario
 from .friction_forces import DryFriction, ViscousFriction
 from .geometry import angle_joints, geometry_of, hangers, turned
@@ -24,7 +25,6 @@ from .payloads import payloads
 from .tensions import RopeForces
 from .wind import Wind, heading
 
-Array = NDArray[np.float64]
 Ids = NDArray[np.int32]
 
 ACCELERATIONS = int(mujoco.mjtStage.mjSTAGE_ACC)

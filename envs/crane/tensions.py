@@ -10,13 +10,11 @@ spans are affine in the joints.
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
-from numpy.typing import NDArray
 
 from ...models.mjcf.rig_state import tensions
 from ...models.rig.rig import Rig
+from ...models.types import Array
 from .geometry import Geometry, evenly
-
-Array = NDArray[np.float64]
 
 
 class RopeForces:

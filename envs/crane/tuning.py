@@ -25,14 +25,12 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.rig.rig import Frame, Rope, Trolley
+from ...models.types import Array
 
 if TYPE_CHECKING:
     from .task import CraneTask
-
-Array = NDArray[np.float64]
 
 Track = Literal["moving", "set point"]
 

@@ -3,13 +3,11 @@
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
-from numpy.typing import NDArray
 
 from ...models.rig.rig import Rig
+from ...models.types import Array
 from .disturbances import Scenario
 from .payloads import payloads
-
-Array = NDArray[np.float64]
 
 
 class Wind:

@@ -34,8 +34,10 @@ STANDARD_OFFSET = 1e-4
 class HandScenario:
     """How one plant differs from its hand; the defaults do not differ.
 
-    Raises:
-        OptionError: a number is not finite or not one that it can be.
+    Raises
+    ------
+    OptionError
+        A number is not finite or not one that it can be.
     """
 
     mass: float = 1.0
@@ -73,8 +75,10 @@ class HandDisturbances:
 
     Placement errors have sizes from their ranges and directions from the whole sphere.
 
-    Raises:
-        OptionError: a range is upside down or holds a value that no scenario can have.
+    Raises
+    ------
+    OptionError
+        A range is upside down or holds a value that no scenario can have.
     """
 
     mass: Range = (1.0, 1.0)
@@ -134,8 +138,10 @@ class HandDisturbances:
     def check(self, scenario: HandScenario | None) -> None:
         """Refuse what is no scenario of a hand.
 
-        Raises:
-            OptionError: it is something else.
+        Raises
+        ------
+        OptionError
+            It is something else.
         """
         if scenario is not None and not isinstance(scenario, HandScenario):
             raise OptionError(f"scenario is {scenario!r}, it must be a HandScenario")
@@ -155,8 +161,10 @@ def _direction(azimuth: float, height: float) -> np.ndarray[Any, np.dtype[np.flo
 def hand_design(disturbances: HandDisturbances, size: int, seed: int) -> list[HandScenario]:
     """Scenarios that cover the ranges evenly: one Latin hypercube, the same for the same seed.
 
-    Raises:
-        OptionError: `size` is not a whole number >= 1 or `seed` not one >= 0.
+    Raises
+    ------
+    OptionError
+        `size` is not a whole number >= 1 or `seed` not one >= 0.
     """
     from scipy.stats import qmc  # only here: slow to import
 
@@ -169,8 +177,10 @@ def hand_design(disturbances: HandDisturbances, size: int, seed: int) -> list[Ha
 def as_hand_disturbances(value: Any, hand: Hand) -> HandDisturbances:
     """The option `disturbances`: None, "standard", ranges by name, or ready.
 
-    Raises:
-        OptionError: it is something else.
+    Raises
+    ------
+    OptionError
+        It is something else.
     """
     if value is None:
         return HandDisturbances()

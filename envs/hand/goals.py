@@ -50,9 +50,12 @@ class RandomGoals:
 class HandPlanner:
     """Makes the plan of each episode; one for all where the reference is fixed.
 
-    Raises:
-        OptionError: the reference is none.
-        PathError: the hand cannot make the move.
+    Raises
+    ------
+    OptionError
+        The reference is none.
+    PathError
+        The hand cannot make the move.
     """
 
     hand: Hand
@@ -98,8 +101,10 @@ class HandPlanner:
 def default_move(hand: Hand) -> HandMove:
     """The catalogue's move for a hand of that name, in `DURATION`.
 
-    Raises:
-        OptionError: the hand is not from the catalogue.
+    Raises
+    ------
+    OptionError
+        The hand is not from the catalogue.
     """
     if hand.name not in HAND_CATALOGUE:
         raise OptionError(f"hand {hand.name} is not in the catalogue; give `reference`")
@@ -109,9 +114,12 @@ def default_move(hand: Hand) -> HandMove:
 def as_hand(value: Any) -> Hand:
     """The option `hand`.
 
-    Raises:
-        OptionError: it is neither a `Hand` nor a name.
-        RigError: the catalogue has no hand of that name.
+    Raises
+    ------
+    OptionError
+        It is neither a `Hand` nor a name.
+    RigError
+        The catalogue has no hand of that name.
     """
     if isinstance(value, Hand):
         return value

@@ -19,16 +19,14 @@ Turns are axis times angle in space.  Values beyond +-`LIMIT` are cut off.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.hand.hand import Hand
+from ...models.types import Array
 from ..crane.observation import LIMIT
 from ..crane.plan import AHEAD
 from ..signals import Encoders, Rows
 from .plan import turn_axes
 from .plant import HandPlant
-
-Array = NDArray[np.float64]
 
 FINE = 0.05
 """Errors are this much finer than positions."""

@@ -17,7 +17,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...feedforward.rolling import ContactForces, HandMotion, JointForces, joint_forces, plan_hand
 from ...feedforward.rolling.grasp import split
@@ -25,11 +24,10 @@ from ...models.errors import PathError
 from ...models.hand.hand import Finger, Hand, Tip
 from ...models.hand.move import HandMove
 from ...models.mjcf.hand_model import finger_home
+from ...models.types import Array
 from ...models.values import Vector
 from ..crane.plan import AHEAD, Layout
 from .rolling_feedback import feedback_gains
-
-Array = NDArray[np.float64]
 
 SQUEEZES = (0.5, 1.0, 2.0, 3.0, 5.0)
 """Normal forces to try, over the object's weight."""

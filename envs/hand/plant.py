@@ -13,17 +13,15 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
-from numpy.typing import NDArray
 
 from ...models.hand.hand import Hand, Plate, Tip
 from ...models.hand.holding import holding_forces
 from ...models.mjcf.hand_model import OBJECT, RECOMMENDED, finger_home, hand_spec
 from ...models.mjcf.hand_state import HandIndex, joint_positions
+from ...models.types import Array
 from ..crane.plant import NOT_FINITE, NOTHING, Ids, leave_no_log
 from .disturbances import HandScenario
 from .plan import Start, hand_layout
-
-Array = NDArray[np.float64]
 
 VELOCITIES = int(mujoco.mjtStage.mjSTAGE_VEL)
 

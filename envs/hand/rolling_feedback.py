@@ -15,15 +15,13 @@ until the episode's end, beyond which what can be corrected decays, and the rest
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import null_space
 
 from ...feedforward.rolling import HandMotion
 from ...feedforward.rolling.kinematics import cross_matrix, projector
 from ...models.hand.hand import Plate
 from ...models.hand.holding import grasp_map
-
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 RATE = 5.0
 """At which errors decay that can be corrected directly [1/s]."""

@@ -14,10 +14,10 @@ the distance is halved at 5 % of the object's radius, a turn counts times the ra
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.hand.hand import Hand, Tip
 from ...models.mjcf.hand_model import RECOMMENDED
+from ...models.types import Array
 from ..crane.geometry import Scales
 from ..crane.tuning import Gains, Track
 from ..episodes import Task
@@ -29,8 +29,6 @@ from .goals import HandPlanner, HandReference, as_hand
 from .observation import HandObservation, drive_names, pose_error
 from .plan import hand_layout
 from .plant import HandPlant
-
-Array = NDArray[np.float64]
 
 NEAR_SHARE = 0.05
 """Distance that halves the reward, over the object's radius."""

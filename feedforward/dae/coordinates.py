@@ -20,15 +20,14 @@ from functools import cached_property, lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import RigError
 from ...models.rig.rig import Rig
+from ...models.types import Array
 from ..exact.assembly import equations_of
 from ..exact.equations import Equations
 from ..exact.servo import servo_of
 
-Array = NDArray[np.float64]
 Kind = Literal["redundant", "dependent", "minimal"]
 
 
@@ -190,8 +189,10 @@ def _turn(axis: int, angle: float, times: int) -> Array:
 def coordinates_of(rig: Rig, kind: Kind) -> Coordinates:
     """One of the three sets of coordinates.
 
-    Raises:
-        RigError: the rig has no such coordinates, and why.
+    Raises
+    ------
+    RigError
+        The rig has no such coordinates, and why.
     """
     e = equations_of(rig)
     every = tuple(range(len(e.constraint_names)))

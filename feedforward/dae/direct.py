@@ -9,13 +9,11 @@ differentiation: Radau IIA with three stages has none left for the inputs (Y 4.2
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.types import Array
 from ..exact.structure import analyse
 from .formulation import Evaluated, unknown_names
 from .mechanics import Forces, Mechanics
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,14 +17,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import qr
 
+from ...models.types import Array
 from .direct import Direct
 from .formulation import Evaluated
 from .mechanics import Mechanics
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

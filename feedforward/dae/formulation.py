@@ -9,15 +9,14 @@ import math
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...models.types import Array
 from ..exact.branch import taylor_of
 from ..exact.servo import prescribe
 from ..paths.reference import Reference
 from .coordinates import Coordinates
 from .mechanics import Mechanics
-
-Array = NDArray[np.float64]
 
 
 class Evaluated(NamedTuple):

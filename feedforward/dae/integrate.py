@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import OptionError, did_you_mean
 from ...models.rig.rig import Rig
@@ -19,8 +18,6 @@ from .newton import NO_NUMBER, Newton
 from .result import Failure, Integration, motion_of
 from .schemes import Scheme, State, Stepped
 from .start import at_rest, start_angles
-
-Array = NDArray[np.float64]
 
 MOST_STEPS = 1_000_000
 """Of one integration."""
@@ -45,26 +42,39 @@ def integrate(
 ) -> Integration:
     """Inputs and motion along a reference path, by stepping through the DAE.
 
-    Args:
-        rig: a flat rig.
-        reference: path of its outputs, from rest.
-        step: [s]; with a tolerance the first one.
-        formulation: one of `FORMULATIONS`.
-        scheme: one of `SCHEMES`.
-        tolerance: of the error of the coordinates in one step, over 1 + their size [m, rad];
-            steps are then as long as it allows.  For schemes with an error estimate.
+    Parameters
+    ----------
+    rig
+        A flat rig.
+    reference
+        Path of its outputs, from rest.
+    step
+        [s]; with a tolerance the first one.
+    formulation
+        One of `FORMULATIONS`.
+    scheme
+        One of `SCHEMES`.
+    tolerance
+        Of the error of the coordinates in one step, over 1 + their size [m, rad];
+        steps are then as long as it allows.  For schemes with an error estimate.
 
-    Returns:
+    Returns
+    -------
+    Integration
         The motion at the steps and what it cost.  The last instant is the end of the path or, if
         the step does not divide its duration, the first one after it.  If some step has no
         solution, or leads off a rail or through the end of a rope, the motion ends before it and
         `failure` says why.
 
-    Raises:
-        OptionError: an option has a value that it cannot have.
-        RigError: the formulation does not apply to the rig.
-        PathError: the reference is no path of the rig's outputs, or the rig cannot rest at its
-            start.
+    Raises
+    ------
+    OptionError
+        An option has a value that it cannot have.
+    RigError
+        The formulation does not apply to the rig.
+    PathError
+        The reference is no path of the rig's outputs, or the rig cannot rest at its
+        start.
     """
     equations, method = formulation_of(rig, formulation), scheme_of(scheme)
     _check(rig, reference, step, tolerance, method)

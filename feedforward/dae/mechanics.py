@@ -13,11 +13,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.types import Array
 from .coordinates import Coordinates, Place
-
-Array = NDArray[np.float64]
 
 
 class Forces(NamedTuple):

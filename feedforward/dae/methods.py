@@ -97,9 +97,12 @@ SCHEMES: dict[str, Scheme] = {scheme.name: scheme for scheme in _ALL}
 def formulation(rig: Rig, name: str) -> Formulation:
     """A formulation of a rig's inverse dynamics.
 
-    Raises:
-        OptionError: there is none of that name.
-        RigError: it does not apply to the rig, and why.
+    Raises
+    ------
+    OptionError
+        There is none of that name.
+    RigError
+        It does not apply to the rig, and why.
     """
     if name not in FORMULATIONS:
         raise OptionError(f"there is no formulation {name!r}{did_you_mean(str(name), BUILDERS)}")
@@ -120,8 +123,10 @@ def _built(rig: Rig, name: str) -> Formulation:
 def why_not(rig: Rig, name: str) -> str:
     """Why a formulation does not apply to a rig, in one line; empty if it does.
 
-    Raises:
-        OptionError: there is none of that name.
+    Raises
+    ------
+    OptionError
+        There is none of that name.
     """
     try:
         formulation(rig, name)
@@ -133,8 +138,10 @@ def why_not(rig: Rig, name: str) -> str:
 def scheme(name: str) -> Scheme:
     """A scheme by name.
 
-    Raises:
-        OptionError: there is none of that name.
+    Raises
+    ------
+    OptionError
+        There is none of that name.
     """
     if name not in tuple(SCHEMES):  # which need not be a word
         raise OptionError(f"there is no scheme {name!r}{did_you_mean(str(name), SCHEMES)}")

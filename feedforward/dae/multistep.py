@@ -20,13 +20,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.types import Array
 from .formulation import Formulation
 from .newton import Newton
 from .schemes import State, Stepped
-
-Array = NDArray[np.float64]
 
 
 def advance(

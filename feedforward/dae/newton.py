@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgetrf, dgetrs
 
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 ITERATIONS = 25
 """Of one attempt, at most."""
@@ -108,10 +108,14 @@ class Newton:
 
         First with the Jacobian of the step before, then with its own, then with care.
 
-        Args:
-            function: see `Function`.
-            guess: shape (N,).
-            size: magnitude of the unknowns that stand under derivatives.
+        Parameters
+        ----------
+        function
+            See `Function`.
+        guess
+            Shape (N,).
+        size
+            Magnitude of the unknowns that stand under derivatives.
         """
         with np.errstate(all="ignore"):  # what fails is found by its value
             for way in (self._iterate, self._iterate, self._creep):

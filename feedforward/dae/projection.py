@@ -17,14 +17,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import null_space
 
+from ...models.types import Array
 from .direct import Direct
 from .formulation import Evaluated, unknown_names
 from .mechanics import Forces, Mechanics
-
-Array = NDArray[np.float64]
 
 RANK = 1e-9
 """Eigenvalues of a mass matrix below this share of the largest one count as zero."""

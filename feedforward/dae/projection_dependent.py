@@ -13,15 +13,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import null_space, qr
 
+from ...models.types import Array
 from .direct import Direct
 from .formulation import Evaluated, unknown_names
 from .mechanics import Forces, Mechanics
 from .projection import Free, free
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

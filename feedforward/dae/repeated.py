@@ -16,13 +16,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.types import Array
 from ..exact.structure import Analysis, Row, analyse
 from .formulation import Evaluated
 from .mechanics import Mechanics
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,16 +4,14 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.types import Array
 from ..exact.inverse import turning_angle
 from ..exact.motion import Motion, find_slack
 from ..series.rotation import bryant
 from .formulation import Formulation
 from .newton import Counters
 from .schemes import State
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,9 @@ problem have the order of an integration, 2 s - 1 for Radau IIA with s stages; h
 
 from typing import NamedTuple, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...models.types import Array
 from .formulation import Formulation
 from .newton import Newton
-
-Array = NDArray[np.float64]
 
 
 class State(NamedTuple):
@@ -76,12 +72,18 @@ class Scheme(Protocol):
     ) -> Stepped | None:
         """The next state.
 
-        Args:
-            equations: the formulation.
-            newton: which counts.
-            past: states, the latest one last.
-            given: what is prescribed at the nodes, shape (derivatives + 1, nodes, a).
-            h: step [s].
+        Parameters
+        ----------
+        equations
+            The formulation.
+        newton
+            Which counts.
+        past
+            States, the latest one last.
+        given
+            What is prescribed at the nodes, shape (derivatives + 1, nodes, a).
+        h
+            Step [s].
         """
 
 

@@ -7,17 +7,15 @@ rest there is the first guess and nothing more.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import PathError
 from ...models.rig.rig import Rig
+from ...models.types import Array
 from ..exact.branch import branch_of
 from ..paths.reference import Reference, hold
 from ..series.rotation import bryant
 from .direct import Direct
 from .formulation import Formulation, prescribed
-
-Array = NDArray[np.float64]
 
 ITERATIONS = 20
 BALANCED = 1e-11
@@ -27,8 +25,10 @@ BALANCED = 1e-11
 def at_rest(equations: Formulation, reference: Reference) -> Array:
     """The unknowns of a formulation at the start of a path, shape (N,).
 
-    Raises:
-        RigError, PathError: as `feedforward.solve` for the rig at rest at the start.
+    Raises
+    ------
+    RigError, PathError
+        As `feedforward.solve` for the rig at rest at the start.
     """
     direct = Direct(equations.mechanics)
     z = _guess(direct, reference)

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import PathError, RigError, SmoothnessError
 from ...models.rig.rig import Rig
+from ...models.types import Array
 from ..paths.reference import Reference
 from ..paths.turning import FixedAxis
 from .assembly import equations_of
@@ -24,8 +24,6 @@ from .servo import prescribe
 from .steps import Step, plan
 from .structure import Analysis, analyse
 from .taylor import Solution, expand
-
-Array = NDArray[np.float64]
 
 GRIDS = (129, 513, 2049)
 """Samples along the path; the next where Newton's method loses its way on one."""
@@ -78,8 +76,10 @@ class Branch:
 def branch_of(rig: Rig, reference: Reference) -> Branch:
     """The branch of a rig along a path; found once for each pair.
 
-    Raises:
-        RigError, SmoothnessError, PathError: as `feedforward.solve`.
+    Raises
+    ------
+    RigError, SmoothnessError, PathError
+        As `feedforward.solve`.
     """
     analysis = analyse(rig)
     _accept(rig, reference, analysis)
@@ -114,8 +114,10 @@ def _follow(
 ) -> tuple[Array, Solution]:
     """Instants along the path, as many as are needed, and the solution there.
 
-    Raises:
-        PathError: there is none that continues the start.
+    Raises
+    ------
+    PathError
+        There is none that continues the start.
     """
     errors = []
     for samples in GRIDS:
@@ -201,8 +203,10 @@ def _accept(rig: Rig, reference: Reference, analysis: Analysis) -> None:
 def accept_columns(rig: Rig, reference: Reference) -> None:
     """Refuse a reference whose columns are not the rig's outputs.
 
-    Raises:
-        PathError: it has more or fewer, or turns something that is no platform, or is no path.
+    Raises
+    ------
+    PathError
+        It has more or fewer, or turns something that is no platform, or is no path.
     """
     if not hasattr(reference, "derivatives"):
         raise PathError(

@@ -25,13 +25,11 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import RigError, did_you_mean
 from ...models.rig.rig import Rig
+from ...models.types import Array
 from ..series.rotation import matrix
-
-Array = NDArray[np.float64]
 
 
 class Orientation(NamedTuple):
@@ -138,14 +136,20 @@ def redundant(
 ) -> tuple[Array, Array]:
     """Coordinates and their rates, each (..., n), from those of the rig's parts.
 
-    Args:
-        equations: of the rig.
-        values: arrays (...) for the names of `Rig.coordinate_names`; rope lengths may be left
-            out, they follow.
-        rates: their rates, for the same names.
+    Parameters
+    ----------
+    equations
+        Of the rig.
+    values
+        Arrays (...) for the names of `Rig.coordinate_names`; rope lengths may be left
+        out, they follow.
+    rates
+        Their rates, for the same names.
 
-    Raises:
-        RigError: a coordinate or its rate is missing, or a name is unknown.
+    Raises
+    ------
+    RigError
+        A coordinate or its rate is missing, or a name is unknown.
     """
     _check_names(equations.rig, values, rates)
     samples = np.broadcast_shapes(*(np.shape(value) for value in values.values()))

@@ -6,10 +6,11 @@ refuses what cannot be followed, and this module names the results.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...models.errors import PathError
 from ...models.rig.rig import Rig
+from ...models.types import Array
 from ..checks import check_times
 from ..paths.reference import Reference
 from ..series.rotation import bryant
@@ -21,27 +22,35 @@ from .refusal import failure, stay_on_rails
 from .servo import prescribe
 from .taylor import Solution, expand
 
-Array = NDArray[np.float64]
-
 
 def solve(rig: Rig, reference: Reference, times: ArrayLike) -> Motion:
     """Inputs, coordinates and rope tensions along a reference path, to rounding.
 
-    Args:
-        rig: a flat rig.
-        reference: path of the rig's outputs; at rest before 0 and after its duration.
-        times: instants [s], shape (N,) or a number.
+    Parameters
+    ----------
+    rig
+        A flat rig.
+    reference
+        Path of the rig's outputs; at rest before 0 and after its duration.
+    times
+        Instants [s], shape (N,) or a number.
 
-    Returns:
+    Returns
+    -------
+    Motion
         The motion at these instants.  Ropes that would have to push are reported in its
         `slack`, not refused.
 
-    Raises:
-        RigError: the rig is not flat.
-        SmoothnessError: the reference has fewer continuous derivatives than the rig needs.
-        PathError: the path leaves the workspace or passes a singular place, and the message
-            says where and when; or it has another number of columns than the rig outputs; or
-            a time is not a finite number.
+    Raises
+    ------
+    RigError
+        The rig is not flat.
+    SmoothnessError
+        The reference has fewer continuous derivatives than the rig needs.
+    PathError
+        The path leaves the workspace or passes a singular place, and the message
+        says where and when; or it has another number of columns than the rig outputs; or
+        a time is not a finite number.
 
     A pulley without mass may hang straight below its winch at the start of a path or at its end
     (Y 6.1.1), where its place is undetermined: it is then the limit of the motion, good to about

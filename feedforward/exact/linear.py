@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 FEW = 100
 """Up to so many systems LAPACK is faster."""
@@ -16,11 +16,16 @@ def solve_many(matrix: Array, right: Array) -> tuple[Array, Array]:
     vector operation: for k of two or three and thousands of samples this is twice as fast as
     LAPACK on a stack of matrices, which does the few.
 
-    Args:
-        matrix: shape (k, k, N), overwritten.
-        right: shape (k, N), overwritten.
+    Parameters
+    ----------
+    matrix
+        Shape (k, k, N), overwritten.
+    right
+        Shape (k, N), overwritten.
 
-    Returns:
+    Returns
+    -------
+    tuple[Array, Array]
         The solutions (k, N), not finite where a system is singular, and the determinants (N,).
     """
     size, samples = right.shape
@@ -67,11 +72,16 @@ def least_norm(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Solutions (k, N) with those of (nearly) singular systems replaced by the shortest ones.
 
-    Args:
-        matrix, right: as for `solve_many`, not overwritten.
-        values, determinant: what that returned.
+    Parameters
+    ----------
+    matrix, right
+        As for `solve_many`, not overwritten.
+    values, determinant
+        What that returned.
 
-    Returns:
+    Returns
+    -------
+    tuple[Array, NDArray[np.bool_]]
         The solutions, and which of the systems (N,) have none.
     """
     sizes = np.abs(matrix).max(axis=1)

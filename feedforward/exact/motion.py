@@ -5,13 +5,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import RigError, did_you_mean
 from ...models.files import replacing
 from ...models.rig.rig import Rig
-
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 
 class Slack(NamedTuple):
@@ -65,8 +63,10 @@ class Motion:
     def column(self, name: str) -> int:
         """Column of a coordinate.
 
-        Raises:
-            RigError: there is none of that name.
+        Raises
+        ------
+        RigError
+            There is none of that name.
         """
         if name not in self.coordinate_names:
             known = did_you_mean(name, self.coordinate_names)
@@ -109,8 +109,10 @@ class Motion:
     def to_csv(self, path: str | Path) -> None:
         """Write times, inputs, tensions, positions and their derivatives, one row an instant.
 
-        Raises:
-            OutputError: the file cannot be written.
+        Raises
+        ------
+        OutputError
+            The file cannot be written.
         """
         names = [
             "time",

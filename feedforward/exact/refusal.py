@@ -3,15 +3,13 @@
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import PathError
 from ...models.rig.rig import Rig
+from ...models.types import Array
 from .equations import Equations
 from .structure import Analysis
 from .taylor import Solution
-
-Array = NDArray[np.float64]
 
 NAMED = 3
 """Unknowns that a refusal names."""

@@ -10,14 +10,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import RigError
 from ...models.rig.rig import Rig
+from ...models.types import Array
 from ..series.rotation import matrix, sine_cosine
 from .assembly import equations_of
 
-Array = NDArray[np.float64]
 Terms = tuple[tuple[float, int], ...]
 
 
@@ -43,8 +42,10 @@ class Servo:
 def servo_of(rig: Rig) -> Servo:
     """The servo constraints of a rig.
 
-    Raises:
-        RigError: some but not all Bryant angles of a platform are prescribed.
+    Raises
+    ------
+    RigError
+        Some but not all Bryant angles of a platform are prescribed.
     """
     equations = equations_of(rig)
     turning = {angle: (cos, sin) for angle, cos, sin in equations.turning}
@@ -89,11 +90,16 @@ def _some_angles(rig: Rig, missing: str) -> str:
 def prescribe(rig: Rig, taylor: Array) -> Array:
     """Right-hand sides of the servo constraints from a reference.
 
-    Args:
-        rig: the rig.
-        taylor: Taylor coefficients of the reference, shape (orders, N, outputs).
+    Parameters
+    ----------
+    rig
+        The rig.
+    taylor
+        Taylor coefficients of the reference, shape (orders, N, outputs).
 
-    Returns:
+    Returns
+    -------
+    Array
         Shape (orders, N, servo constraints).
     """
     servo = servo_of(rig)

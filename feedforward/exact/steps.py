@@ -2,12 +2,9 @@
 
 from typing import Literal, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...models.types import Array
 from .structure import Analysis, Row
 
-Array = NDArray[np.float64]
 Series = list[list[Array]]
 """Per unknown its Taylor coefficients so far, each of shape (N,)."""
 

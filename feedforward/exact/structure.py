@@ -105,9 +105,11 @@ class Analysis:
 def analyse(rig: Rig) -> Analysis:
     """Structure of the equations of a rig whose outputs are prescribed.
 
-    Raises:
-        RigError: the equations are structurally singular: some unknown is determined by no
-            equation, or the outputs contradict each other.
+    Raises
+    ------
+    RigError
+        The equations are structurally singular: some unknown is determined by no
+        equation, or the outputs contradict each other.
     """
     equations = equations_of(rig)
     rows = _rows(equations)

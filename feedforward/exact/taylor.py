@@ -21,8 +21,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.types import Array
 from .linear import least_norm, solve_many
-from .steps import Array, Series, Step
+from .steps import Series, Step
 from .structure import Row
 
 Flags = NDArray[np.bool_]
@@ -72,16 +73,23 @@ def expand(
 ) -> Solution:
     """Taylor coefficients of all unknowns at N samples.
 
-    Args:
-        steps: from `plan`.
-        unknowns: number of unknowns.
-        reference: Taylor coefficients of the outputs, shape (orders, N, outputs).
-        guess: of the unknowns themselves at each sample, shape (unknowns, N); at the first
-            sample alone, shape (unknowns, 1), if `follow`.
-        follow: whether each sample continues the one before it, so that nonlinear blocks are
-            solved by continuation from the first.
-        sides: signs of the blocks' determinants, if they are known; without them the guess picks
-            the roots of quadratics.
+    Parameters
+    ----------
+    steps
+        From `plan`.
+    unknowns
+        Number of unknowns.
+    reference
+        Taylor coefficients of the outputs, shape (orders, N, outputs).
+    guess
+        Of the unknowns themselves at each sample, shape (unknowns, N); at the first
+        sample alone, shape (unknowns, 1), if `follow`.
+    follow
+        Whether each sample continues the one before it, so that nonlinear blocks are
+        solved by continuation from the first.
+    sides
+        Signs of the blocks' determinants, if they are known; without them the guess picks
+        the roots of quadratics.
     """
     zero = np.zeros(reference.shape[1])
     series: Series = [[] for _ in range(unknowns)]

@@ -1,16 +1,14 @@
 """How well a motion satisfies a rig's equations, computed from its named results alone."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.types import Array
 from ..paths.reference import Reference
 from ..series.rotation import matrix
 from .assembly import equations_of
 from .motion import Motion
 from .servo import prescribe
 from .structure import analyse
-
-Array = NDArray[np.float64]
 
 
 def residuals(motion: Motion, reference: Reference) -> Array:

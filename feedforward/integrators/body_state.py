@@ -3,12 +3,8 @@
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...models.types import Array
 from ..multibody.system import System
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +80,10 @@ class Scheme(Protocol):
     def step(self, system: System, state: State, h: float) -> Step | Failure:
         """One step of h seconds.
 
-        Raises: numpy.linalg.LinAlgError: a matrix is singular; `integrate` makes it a failure.
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            A matrix is singular; `integrate` makes it a failure.
         """
 
     def matrix(self, system: System, state: State, h: float) -> Array:

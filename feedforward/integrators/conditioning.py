@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.types import Array
 from ..multibody.system import System
 from .body_state import Scheme
 from .energy_momentum import EnergyMomentum
@@ -21,8 +21,6 @@ from .implicit_euler import ImplicitEuler
 from .midpoint import Midpoint
 from .reduced import ReducedEnergyMomentum
 from .variational import Variational
-
-Array = NDArray[np.float64]
 
 SCHEMES: tuple[Scheme, ...] = (
     ImplicitEuler(),

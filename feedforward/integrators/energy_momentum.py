@@ -9,15 +9,11 @@ ground is no such constraint; its own force is zero unless its angle is driven.
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...models.types import Array
 from ..multibody.system import System
 from .body_state import State
 from .iteration import Force, Stage
 from .stage import OneStage, midpoint_rate
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,19 +8,24 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 
 def extrapolated(results: Sequence[ArrayLike], counts: Sequence[int]) -> tuple[Array, Array]:
     """The limit of results whose error is a series in the squared step, and how far it is sure.
 
-    Args:
-        results: arrays of one shape, from runs over the same time.
-        counts: numbers of steps of those runs, increasing.
+    Parameters
+    ----------
+    results
+        Arrays of one shape, from runs over the same time.
+    counts
+        Numbers of steps of those runs, increasing.
 
-    Returns:
+    Returns
+    -------
+    tuple[Array, Array]
         The limit, and how far it is from that of all runs but the last.
     """
     column = [np.asarray(result, dtype=np.float64) for result in results]

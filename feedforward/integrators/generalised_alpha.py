@@ -8,24 +8,23 @@ fast motion is `radius`: 1 damps nothing, 0 forgets it in one step.
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ...models.errors import OptionError
+from ...models.types import Array
 from ..checks import as_number
 from ..multibody.system import System
 from .body_state import State
 from .iteration import Force, Stage
 from .stage import OneStage
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class GeneralisedAlpha(OneStage):
     """Newmark's formulas with averaged accelerations, equilibrium and constraints at the end.
 
-    Raises: OptionError: the radius is not between 0 and 1.
+    Raises
+    ------
+    OptionError
+        The radius is not between 0 and 1.
     """
 
     radius: float = 0.8

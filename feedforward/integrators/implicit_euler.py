@@ -3,15 +3,11 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...models.types import Array
 from ..multibody.system import System
 from .body_state import State
 from .iteration import Force, Stage
 from .stage import OneStage
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

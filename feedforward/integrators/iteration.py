@@ -12,12 +12,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.types import Array
 from ..multibody.system import System, saddle
 from .body_state import Counters, Failure
-
-Array = NDArray[np.float64]
 
 ENOUGH = 1e-9
 """Newton step [of the coordinates' size] whose square is below rounding."""

@@ -11,16 +11,14 @@ from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.squeezer import mechanism as data
+from ...models.types import Array
 from ..multibody import angles_of_squeezer, assemble, rotary_crane, squeezer
 from .body_state import Run, Scheme
 from .conditioning import SCHEMES
 from .extrapolation import extrapolated
 from .run import integrate, integrate_index_one
-
-Array = NDArray[np.float64]
 
 REFINEMENT = (200, 300, 400, 600, 800)
 """Steps of the squeezer's runs that are extrapolated."""

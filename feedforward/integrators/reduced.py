@@ -10,16 +10,14 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.types import Array
 from ..multibody.nullspace import onto_constraints, split
 from ..multibody.system import System
 from .body_state import Counters, Failure, State, Step
 from .energy_momentum import EnergyMomentum
 from .iteration import ROUNDS, Stage, negligible, unsettled
 from .stage import midpoint_rate
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

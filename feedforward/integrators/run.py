@@ -3,16 +3,15 @@
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
 from ...models.errors import OptionError, RigError, did_you_mean
+from ...models.types import Array
 from ..checks import as_number
 from ..multibody.building import TOLERANCE
 from ..multibody.system import System
 from .body_state import Counters, Failure, Run, Scheme, State, Step
-
-Array = NDArray[np.float64]
 
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 """Of `scipy.integrate.solve_ivp`."""
@@ -25,21 +24,33 @@ def integrate(
 ) -> Run:
     """Integrate a system from a consistent start, with equal steps.
 
-    Args:
-        scheme: one of this package.
-        system: the equations.
-        q: coordinates at the start, shape (n,).
-        v: their rates, shape (n,).
-        duration: [s]
-        steps: number of steps.
+    Parameters
+    ----------
+    scheme
+        One of this package.
+    system
+        The equations.
+    q
+        Coordinates at the start, shape (n,).
+    v
+        Their rates, shape (n,).
+    duration
+        [s]
+    steps
+        Number of steps.
 
-    Returns:
+    Returns
+    -------
+    Run
         The run; if a step fails, up to there, with `failure` set.
 
-    Raises:
-        OptionError: duration or steps are not numbers above 0, or q or v have not n finite
-            numbers, or break the constraints or their rates.
-        RigError: the equations are singular at the start.
+    Raises
+    ------
+    OptionError
+        Duration or steps are not numbers above 0, or q or v have not n finite
+        numbers, or break the constraints or their rates.
+    RigError
+        The equations are singular at the start.
     """
     whole = isinstance(steps, int | np.integer) and not isinstance(steps, bool)
     if not (0 < as_number(duration) < math.inf and whole and steps > 0):
@@ -80,23 +91,36 @@ def integrate_index_one(
 
     The constraints are kept only as well as the tolerance keeps them.
 
-    Args:
-        system: the equations.
-        q: coordinates at the start, shape (n,).
-        v: their rates, shape (n,).
-        times: increasing, from the start on, shape (N,) [s].
-        method: one of `METHODS`.
-        rtol: relative tolerance, from `FINEST` on.
-        atol: absolute tolerance.
+    Parameters
+    ----------
+    system
+        The equations.
+    q
+        Coordinates at the start, shape (n,).
+    v
+        Their rates, shape (n,).
+    times
+        Increasing, from the start on, shape (N,) [s].
+    method
+        One of `METHODS`.
+    rtol
+        Relative tolerance, from `FINEST` on.
+    atol
+        Absolute tolerance.
 
-    Returns:
+    Returns
+    -------
+    Run
         The run at those times, or up to its failure; in its counters a factorisation is an
         evaluation.
 
-    Raises:
-        OptionError: the times do not increase, a tolerance is not above 0, there is no such
-            method, or q and v are not as for `integrate`.
-        RigError: the equations are singular at the start.
+    Raises
+    ------
+    OptionError
+        The times do not increase, a tolerance is not above 0, there is no such
+        method, or q and v are not as for `integrate`.
+    RigError
+        The equations are singular at the start.
     """
     n, at = len(system.names), _numbers("times", times)
     if at.ndim != 1 or len(at) < 2 or not (np.diff(at) > 0).all():

@@ -3,14 +3,10 @@
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...models.types import Array
 from ..multibody.system import System
 from .body_state import Counters, Failure, State, Step
 from .iteration import Stage, linearised, solve
-
-Array = NDArray[np.float64]
 
 
 class OneStage(ABC):

@@ -8,16 +8,12 @@ node's are half this step's and half the next one's, and only the first half is 
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...models.types import Array
 from ..multibody.nullspace import with_momentum
 from ..multibody.system import System
 from .body_state import State
 from .iteration import Force, Stage
 from .stage import OneStage
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -3,17 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import RigError
+from ...models.types import Array
 from .bodies import GROUND, Angle, Augmentation, Body, Mechanism, Point
 from .nullspace import projected, projected_rate
 from .pairs import constraints, turn
 from .rows import Rows, centre, directors, dot, form
 from .system import System
 from .terms import Form, SpringTerm, Turn
-
-Array = NDArray[np.float64]
 
 TOLERANCE = 1e-8
 """How far [m, or none] bodies may stand from satisfying their joints at the start."""
@@ -32,9 +30,11 @@ class Start:
 def assemble(mechanism: Mechanism) -> tuple[System, Start]:
     """Equations and start of a mechanism.
 
-    Raises:
-        RigError: a name is unknown or stands twice, a vector has the wrong number of components,
-            or the bodies do not fit their joints at the start.
+    Raises
+    ------
+    RigError
+        A name is unknown or stands twice, a vector has the wrong number of components,
+        or the bodies do not fit their joints at the start.
     """
     _check(mechanism)
     bodies, added = mechanism.bodies, mechanism.augmentations

@@ -34,11 +34,16 @@ def rotary_crane(
 ) -> Mechanism:
     """The crane turning freely, the load hanging at rest against it (Y 2.4).
 
-    Args:
-        place: the trolley's distance from the tower [m]; 1.5 in Y 2.90, 2.5 in Y table 2.2.
-        length: of the rope [m].
-        spin: of the girder [rad/s].
-        gravity: [m/s^2]
+    Parameters
+    ----------
+    place
+        The trolley's distance from the tower [m]; 1.5 in Y 2.90, 2.5 in Y table 2.2.
+    length
+        Of the rope [m].
+    spin
+        Of the girder [rad/s].
+    gravity
+        [m/s^2]
     """
     up, along, across = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
     turning, moving = (0.0, 0.0, spin), (0.0, place * spin, 0.0)

@@ -8,12 +8,10 @@ source writes for one free body, whose columns are velocity and angular velocity
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import RigError
+from ...models.types import Array
 from .system import System, saddle
-
-Array = NDArray[np.float64]
 
 ROUNDS = 20
 """Newton steps allowed to reach the constraints."""
@@ -50,7 +48,10 @@ def split(jacobian: Array) -> Split:
 def projected(system: System, q: Array) -> Array:
     """The coordinates near q that satisfy the constraints, to rounding.
 
-    Raises: RigError: none are found.
+    Raises
+    ------
+    RigError
+        None are found.
     """
     found = onto_constraints(system, q)
     if found is None:

@@ -8,13 +8,12 @@ from collections.abc import Iterator
 from functools import singledispatch
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import RigError
+from ...models.types import Array
 from .bodies import Angle, Augmentation, Joint, Prismatic, Revolute, Rope, Slide, Spherical, Vector
 from .rows import Rows, dot, form
 
-Array = NDArray[np.float64]
 Named = tuple[str, Array]
 """The end of a constraint's name, and its form."""
 

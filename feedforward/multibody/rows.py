@@ -7,12 +7,11 @@ product of two rows is a quadratic form.
 from collections.abc import Iterable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import RigError, did_you_mean
+from ...models.types import Array
 from .bodies import GROUND, Body, Point, Vector
 
-Array = NDArray[np.float64]
 Term = tuple[float, Array, Array]
 
 

@@ -6,13 +6,12 @@ published solution stand in `flatrig.models.squeezer.mechanism`.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...models.squeezer import mechanism as data
+from ...models.types import Array
 from .bodies import GROUND, Angle, Body, Effort, Mechanism, Point, Revolute, Spring, planar
 from .building import track
-
-Array = NDArray[np.float64]
 
 
 def squeezer() -> Mechanism:
@@ -52,11 +51,16 @@ def squeezer() -> Mechanism:
 def angles_of_squeezer(positions: ArrayLike) -> Array:
     """The seven angles of the IVP test set along a run, continuous from its start [rad].
 
-    Args:
-        positions: coordinates (N, n) from the start on, so close that no body turns by half a turn
-            from one to the next.
+    Parameters
+    ----------
+    positions
+        Coordinates (N, n) from the start on, so close that no body turns by half a turn
+        from one to the next.
 
-    Returns: shape (N, 7), columns as `flatrig.models.squeezer.mechanism.ANGLES`.
+    Returns
+    -------
+    Array
+        Shape (N, 7), columns as `flatrig.models.squeezer.mechanism.ANGLES`.
     """
     q = np.asarray(positions)
     absolute = []
@@ -76,8 +80,10 @@ def angles_of_squeezer(positions: ArrayLike) -> Array:
 def hinge_of_squeezer(positions: ArrayLike) -> Array:
     """The path of hinge P, where four bodies meet (Y figure 3.2), shape (N, 2) [m].
 
-    Args:
-        positions: coordinates (N, n).
+    Parameters
+    ----------
+    positions
+        Coordinates (N, n).
     """
     return track(squeezer(), _end(2, "P"), np.asarray(positions))
 

@@ -12,13 +12,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import RigError, did_you_mean
+from ...models.types import Array
 from ..exact.equations import Equations
 from .terms import SpringTerm, Turn
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +47,10 @@ class System:
     def index(self, name: str) -> int:
         """Index of a coordinate.
 
-        Raises: RigError: there is no coordinate of that name.
+        Raises
+        ------
+        RigError
+            There is no coordinate of that name.
         """
         if name not in self.names:
             known = did_you_mean(name, self.names)

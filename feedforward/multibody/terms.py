@@ -16,9 +16,8 @@ from dataclasses import dataclass
 from math import cos, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 SMALL = 1e-3
 """Half angle x below which sin(x)/x and its slope are taken from their series."""

@@ -23,8 +23,8 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline, make_interp_spline
 
 from ...models.errors import PathError
+from ...models.types import Array
 from ..checks import (
-    FloatArray,
     check_derivative,
     check_duration,
     check_order,
@@ -45,7 +45,7 @@ class Curve(Protocol):
     def size(self) -> int:
         """Number of columns, one for each output."""
 
-    def derivatives(self, s: FloatArray, order: int) -> FloatArray:
+    def derivatives(self, s: Array, order: int) -> Array:
         """Derivatives d^k c / ds^k, k = 0 .. `order`, at s (N,).  Shape (order+1, N, size)."""
 
     def __hash__(self) -> int:
@@ -56,8 +56,10 @@ class Curve(Protocol):
 class Polynomial:
     """c(s) = sum of coefficients[k] s^k.
 
-    Raises:
-        PathError: there are no coefficients, one is not finite, or their lengths differ.
+    Raises
+    ------
+    PathError
+        There are no coefficients, one is not finite, or their lengths differ.
     """
 
     coefficients: tuple[tuple[float, ...], ...]
@@ -76,7 +78,7 @@ class Polynomial:
         """Number of columns."""
         return len(self.coefficients[0])
 
-    def derivatives(self, s: FloatArray, order: int) -> FloatArray:
+    def derivatives(self, s: Array, order: int) -> Array:
         """See `Curve`.  Shape (order+1, N, size)."""
         terms = np.array(self.coefficients)
         result = np.zeros((order + 1, len(s), self.size))
@@ -93,9 +95,11 @@ class Waypoints:
 
     So few points as `smoothness` + 2 lie on one polynomial of the lowest degree.
 
-    Raises:
-        PathError: there are fewer than two points, one is not finite, their lengths differ, or
-            two that follow each other are the same.
+    Raises
+    ------
+    PathError
+        There are fewer than two points, one is not finite, their lengths differ, or
+        two that follow each other are the same.
     """
 
     points: tuple[tuple[float, ...], ...]
@@ -131,7 +135,7 @@ class Waypoints:
         knots = np.concatenate((np.zeros(degree + 1), inner, np.ones(degree + 1)))
         return make_interp_spline(s, points, k=degree, t=knots)
 
-    def derivatives(self, s: FloatArray, order: int) -> FloatArray:
+    def derivatives(self, s: Array, order: int) -> Array:
         """See `Curve`.  Shape (order+1, N, size)."""
         return np.array([self._spline(s, nu=k) for k in range(order + 1)])
 
@@ -140,8 +144,10 @@ class Waypoints:
 class CurvedPath:
     """A `Reference` along a curve, from rest to rest as a profile says.
 
-    Raises:
-        PathError: the duration is not from 1e-6 s to 1e9 s.
+    Raises
+    ------
+    PathError
+        The duration is not from 1e-6 s to 1e9 s.
     """
 
     curve: Curve
@@ -163,16 +169,16 @@ class CurvedPath:
         return self.curve.size
 
     @property
-    def start(self) -> FloatArray:
+    def start(self) -> Array:
         """Shape (size,)."""
         return np.array(self.curve.derivatives(np.zeros(1), 0)[0, 0])
 
     @property
-    def goal(self) -> FloatArray:
+    def goal(self) -> Array:
         """Shape (size,)."""
         return np.array(self.curve.derivatives(np.ones(1), 0)[0, 0])
 
-    def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
+    def derivatives(self, times: ArrayLike, order: int) -> Array:
         """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size)."""
         order = check_derivative(order)
         times = check_times(times)
@@ -186,17 +192,20 @@ class CurvedPath:
         curve = self.curve.derivatives(parameter[0], order) / scale[:, None, None]
         return np.asarray(_inserted(curve, parameter) * scale[:, None, None])
 
-    def __call__(self, times: ArrayLike) -> FloatArray:
+    def __call__(self, times: ArrayLike) -> Array:
         """Values at `times` (N,), shape (N, size)."""
         return np.asarray(self.derivatives(times, 0)[0])
 
 
-def _inserted(outer: FloatArray, inner: FloatArray) -> FloatArray:
+def _inserted(outer: Array, inner: Array) -> Array:
     """Taylor coefficients of outer(inner(t)), by Horner's rule on power series.
 
-    Args:
-        outer: coefficients (K, N, size) in powers of the distance from inner[0].
-        inner: coefficients (K, N) in powers of time.
+    Parameters
+    ----------
+    outer
+        Coefficients (K, N, size) in powers of the distance from inner[0].
+    inner
+        Coefficients (K, N) in powers of time.
     """
     result = np.zeros_like(outer)
     for term in outer[::-1]:
@@ -208,25 +217,33 @@ def _inserted(outer: FloatArray, inner: FloatArray) -> FloatArray:
 
 
 def over(
-    start: Sequence[float] | FloatArray,
-    goal: Sequence[float] | FloatArray,
-    rise: Sequence[float] | FloatArray,
+    start: Sequence[float] | Array,
+    goal: Sequence[float] | Array,
+    rise: Sequence[float] | Array,
     duration: float,
     order: int = 4,
 ) -> CurvedPath:
     """A parabola from rest to rest over what stands in the straight line's way (K 3.3).
 
-    Args:
-        start: where it starts, shape (size,), in the rig's order of outputs.
-        goal: where it ends, shape (size,).
-        rise: how far its middle lies from that of the straight line, one number for each output:
-            (0, 0, 2) lifts a load in space by 2 m.
-        duration: [s], > 0.
-        order: number of derivatives that vanish at both ends.
+    Parameters
+    ----------
+    start
+        Where it starts, shape (size,), in the rig's order of outputs.
+    goal
+        Where it ends, shape (size,).
+    rise
+        How far its middle lies from that of the straight line, one number for each output:
+        (0, 0, 2) lifts a load in space by 2 m.
+    duration
+        [s], > 0.
+    order
+        Number of derivatives that vanish at both ends.
 
-    Raises:
-        PathError: a number is not finite, the three points differ in length, or the order is not
-            a whole number from 0 to 100.
+    Raises
+    ------
+    PathError
+        A number is not finite, the three points differ in length, or the order is not
+        a whole number from 0 to 100.
     """
     begin, end = check_point("start", start), check_point("goal", goal)
     bend = check_point("rise", rise)
@@ -242,17 +259,23 @@ def over(
 
 
 def along(
-    waypoints: Sequence[Sequence[float]] | FloatArray, duration: float, order: int = 4
+    waypoints: Sequence[Sequence[float]] | Array, duration: float, order: int = 4
 ) -> CurvedPath:
     """A smooth curve through waypoints from rest to rest, without a stop on the way.
 
-    Args:
-        waypoints: shape (two or more, size), in the rig's order of outputs.
-        duration: [s], > 0.
-        order: number of continuous derivatives, from 0 to 10.
+    Parameters
+    ----------
+    waypoints
+        Shape (two or more, size), in the rig's order of outputs.
+    duration
+        [s], > 0.
+    order
+        Number of continuous derivatives, from 0 to 10.
 
-    Raises:
-        PathError: see `Waypoints` and `CurvedPath`.
+    Raises
+    ------
+    PathError
+        See `Waypoints` and `CurvedPath`.
     """
     rows = _rows("waypoint", waypoints, 2)
     return CurvedPath(Waypoints(rows, order), duration, RestToRest(order))
@@ -261,8 +284,10 @@ def along(
 def _rows(name: str, rows: object, least: int) -> tuple[tuple[float, ...], ...]:
     """Points of one length each, `least` or more.
 
-    Raises:
-        PathError: they are something else.
+    Raises
+    ------
+    PathError
+        They are something else.
     """
     try:
         points = tuple(check_point(f"{name} {i}", row) for i, row in enumerate(rows))  # type: ignore[arg-type, var-annotated]

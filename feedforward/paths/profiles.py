@@ -26,7 +26,8 @@ from typing import Protocol
 import numpy as np
 
 from ...models.errors import PathError
-from ..checks import FloatArray, as_number, check_order
+from ...models.types import Array
+from ..checks import as_number, check_order
 
 ALWAYS_SMOOTH = 10**6
 """Order of a path that never moves: more derivatives than any rig needs."""
@@ -45,7 +46,7 @@ class Profile(Protocol):
     def order(self) -> int:
         """Number of continuous derivatives over all s."""
 
-    def derivatives(self, s: FloatArray, order: int) -> FloatArray:
+    def derivatives(self, s: Array, order: int) -> Array:
         """Derivatives d^k c / ds^k, k = 0 .. `order`; s of shape (N,), result (order+1, N)."""
 
 
@@ -58,7 +59,7 @@ class AtRest:
         """Every derivative is continuous."""
         return ALWAYS_SMOOTH
 
-    def derivatives(self, s: FloatArray, order: int) -> FloatArray:
+    def derivatives(self, s: Array, order: int) -> Array:
         """Zeros of shape (order+1, N)."""
         return np.zeros((order + 1, len(s)))
 
@@ -70,8 +71,10 @@ class RestToRest:
     Order 4 is Y 4.87 and 5.69, 126 s^5 - 420 s^6 + 540 s^7 - 315 s^8 + 70 s^9; order 6 is K 3.57.
     Order 0 is the ramp c = s.
 
-    Raises:
-        PathError: the order is not a whole number from 0 to 100.
+    Raises
+    ------
+    PathError
+        The order is not a whole number from 0 to 100.
     """
 
     order: int = 4
@@ -87,17 +90,22 @@ class RestToRest:
         upper = ((-1) ** k * Fraction(scale * math.comb(n, k), n + 1 + k) for k in range(n + 1))
         return (0,) * (n + 1) + tuple(int(value) for value in upper)
 
-    def derivatives(self, s: FloatArray, order: int) -> FloatArray:
+    def derivatives(self, s: Array, order: int) -> Array:
         """Derivatives d^k c / ds^k, k = 0 .. `order`.
 
         Beyond the profile's own order they are those of the polynomial on 0 <= s <= 1, ends
         included, and zero outside.
 
-        Args:
-            s: shape (N,).
-            order: highest derivative wanted.
+        Parameters
+        ----------
+        s
+            Shape (N,).
+        order
+            Highest derivative wanted.
 
-        Returns:
+        Returns
+        -------
+        Array
             Shape (order+1, N).
         """
         n = self.order
@@ -130,8 +138,10 @@ class ThreePhase:
 
     then (s - blend/2) / (1 - blend), then 1 - c(1-s).
 
-    Raises:
-        PathError: the blend is not in 1e-6 .. 1/2, or the order not in 1 .. 100.
+    Raises
+    ------
+    PathError
+        The blend is not in 1e-6 .. 1/2, or the order not in 1 .. 100.
     """
 
     blend: float
@@ -152,17 +162,22 @@ class ThreePhase:
         speed = RestToRest(self.order - 1).coefficients
         return (Fraction(0), *(Fraction(value, k + 1) for k, value in enumerate(speed)))
 
-    def derivatives(self, s: FloatArray, order: int) -> FloatArray:
+    def derivatives(self, s: Array, order: int) -> Array:
         """Derivatives d^k c / ds^k, k = 0 .. `order`.
 
         Beyond the profile's own order they are those of the piece s lies in, of the blends where
         two pieces meet, and zero outside 0 <= s <= 1.
 
-        Args:
-            s: shape (N,).
-            order: highest derivative wanted.
+        Parameters
+        ----------
+        s
+            Shape (N,).
+        order
+            Highest derivative wanted.
 
-        Returns:
+        Returns
+        -------
+        Array
             Shape (order+1, N).
         """
         blend, n = self.blend, self.order
@@ -191,7 +206,7 @@ class ThreePhase:
         return result
 
 
-def _rising(u: FloatArray, power: int, coefficients: tuple[float, ...]) -> FloatArray:
+def _rising(u: Array, power: int, coefficients: tuple[float, ...]) -> Array:
     """u^power * sum_k coefficients[k] (1-u)^k, for positive coefficients free of cancellation."""
     rest = 1.0 - u
     total = np.full_like(u, coefficients[-1])
@@ -203,14 +218,14 @@ def _rising(u: FloatArray, power: int, coefficients: tuple[float, ...]) -> Float
     return total
 
 
-def _folded(s: FloatArray, power: int, coefficients: tuple[float, ...]) -> FloatArray:
+def _folded(s: Array, power: int, coefficients: tuple[float, ...]) -> Array:
     """`_rising` for s <= 1/2, and 1 - its value at 1-s beyond."""
     second_half = s > 0.5
     half = _rising(np.where(second_half, 1.0 - s, s), power, coefficients)
     return np.where(second_half, 1.0 - half, half)
 
 
-def _powers(base: FloatArray, highest: int) -> list[FloatArray]:
+def _powers(base: Array, highest: int) -> list[Array]:
     """base^0 .. base^highest by multiplication, an order of magnitude faster than power()."""
     powers = [np.ones_like(base)]
     for _ in range(highest):
@@ -218,7 +233,7 @@ def _powers(base: FloatArray, highest: int) -> list[FloatArray]:
     return powers
 
 
-def _parity_horner(coefficients: tuple[float, ...], x: FloatArray) -> FloatArray:
+def _parity_horner(coefficients: tuple[float, ...], x: Array) -> Array:
     """The even or odd polynomial sum_i coefficients[i] x^i."""
     odd = 1 - len(coefficients) % 2
     square = x * x

@@ -29,9 +29,9 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline
 
 from ...models.errors import PathError
+from ...models.types import Array
 from ..checks import (
     LARGEST,
-    FloatArray,
     as_number,
     check_derivative,
     check_duration,
@@ -48,10 +48,12 @@ HIGHEST_ORDER = 10
 class SampledPath:
     """A smooth path from rest to rest along points, see the module's text.
 
-    Raises:
-        PathError: there are fewer than two points, something is not finite or beyond 1e12, times
-            do not increase, the points' lengths differ, order or tolerance is out of range, or a
-            hundred points and more scatter by more than the tolerance.
+    Raises
+    ------
+    PathError
+        There are fewer than two points, something is not finite or beyond 1e12, times
+        do not increase, the points' lengths differ, order or tolerance is out of range, or a
+        hundred points and more scatter by more than the tolerance.
     """
 
     times: tuple[float, ...]
@@ -97,12 +99,12 @@ class SampledPath:
         return len(self.points[0])
 
     @property
-    def start(self) -> FloatArray:
+    def start(self) -> Array:
         """The first point, shape (size,)."""
         return np.array(self.points[0])
 
     @property
-    def goal(self) -> FloatArray:
+    def goal(self) -> Array:
         """The last point, shape (size,)."""
         return np.array(self.points[-1])
 
@@ -127,10 +129,10 @@ class SampledPath:
         times = self._spline_times(np.array(self.times) - self.times[0])
         return fit(times, np.array(self.points), self.order, self.tolerance)
 
-    def _spline_times(self, times: FloatArray) -> FloatArray:
+    def _spline_times(self, times: Array) -> Array:
         return times / self._scale
 
-    def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
+    def derivatives(self, times: ArrayLike, order: int) -> Array:
         """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size)."""
         order = check_derivative(order)
         times = check_times(times)
@@ -145,27 +147,34 @@ class SampledPath:
         result[0, times >= self.duration] = self.points[-1]
         return result
 
-    def __call__(self, times: ArrayLike) -> FloatArray:
+    def __call__(self, times: ArrayLike) -> Array:
         """Values at `times` (N,), shape (N, size)."""
         return np.asarray(self.derivatives(times, 0)[0])
 
 
 def sampled(
-    times: Sequence[float] | FloatArray,
-    points: Sequence[Sequence[float]] | FloatArray,
+    times: Sequence[float] | Array,
+    points: Sequence[Sequence[float]] | Array,
     order: int = 4,
     tolerance: float = 1e-6,
 ) -> SampledPath:
     """A smooth path from rest to rest along points.
 
-    Args:
-        times: shape (N,) [s], increasing; the path's time starts at the first.
-        points: shape (N, size), columns in the rig's order of outputs.
-        order: number of continuous derivatives, 0 to 10; the spline's degree is 2 `order` + 1.
-        tolerance: how far a point may lie off the path, in its column's unit; 0: by rounding.
+    Parameters
+    ----------
+    times
+        Shape (N,) [s], increasing; the path's time starts at the first.
+    points
+        Shape (N, size), columns in the rig's order of outputs.
+    order
+        Number of continuous derivatives, 0 to 10; the spline's degree is 2 `order` + 1.
+    tolerance
+        How far a point may lie off the path, in its column's unit; 0: by rounding.
 
-    Raises:
-        PathError: see `SampledPath`.
+    Raises
+    ------
+    PathError
+        See `SampledPath`.
     """
     row, table = _table(times, points)
     return SampledPath(tuple(row.tolist()), tuple(map(tuple, table.tolist())), order, tolerance)
@@ -180,16 +189,23 @@ def from_csv(
 ) -> SampledPath:
     """The path along the points of a CSV file.
 
-    Args:
-        path: of a file with comma-separated columns: time [s], then one for each output.  A first
-            line without any number is a header.  Empty lines are skipped.
-        order: number of continuous derivatives.
-        size: number of outputs that the file must have, if that is known.
-        tolerance: how far a point may lie off the path, in its column's unit.
+    Parameters
+    ----------
+    path
+        Of a file with comma-separated columns: time [s], then one for each output.  A first
+        line without any number is a header.  Empty lines are skipped.
+    order
+        Number of continuous derivatives.
+    size
+        Number of outputs that the file must have, if that is known.
+    tolerance
+        How far a point may lie off the path, in its column's unit.
 
-    Raises:
-        PathError: the file cannot be read, or a row or column of it cannot be used; the message
-            names line and column.
+    Raises
+    ------
+    PathError
+        The file cannot be read, or a row or column of it cannot be used; the message
+        names line and column.
     """
     name = fspath(path)
     lines, rows = _read(name)
@@ -246,7 +262,7 @@ def _parse(cell: str) -> float | None:
         return None
 
 
-def _table(times: object, points: object) -> tuple[FloatArray, FloatArray]:
+def _table(times: object, points: object) -> tuple[Array, Array]:
     """Times (N,) and points (N, size) as arrays of these shapes."""
     row = check_times(times)
     try:
@@ -261,7 +277,7 @@ def _table(times: object, points: object) -> tuple[FloatArray, FloatArray]:
     return row, table
 
 
-def _check_table(times: FloatArray, points: FloatArray, label: Callable[[int], str]) -> None:
+def _check_table(times: Array, points: Array, label: Callable[[int], str]) -> None:
     """Two rows or more, no number infinite or absurdly large, times increasing.
 
     `label` names a row.

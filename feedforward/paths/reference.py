@@ -22,7 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...models.errors import PathError
-from ..checks import FloatArray, check_derivative, check_duration, check_point, check_times
+from ...models.types import Array
+from ..checks import check_derivative, check_duration, check_point, check_times
 from .profiles import SHORTEST_BLEND, AtRest, Profile, RestToRest, ThreePhase
 from .recordings import from_csv
 
@@ -46,28 +47,35 @@ class Reference(Protocol):
         """Number of columns, one for each output."""
 
     @property
-    def start(self) -> FloatArray:
+    def start(self) -> Array:
         """Where the path rests for t <= 0.  Shape (size,), a copy."""
 
     @property
-    def goal(self) -> FloatArray:
+    def goal(self) -> Array:
         """Where the path rests for t >= `duration`.  Shape (size,), a copy."""
 
-    def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
+    def derivatives(self, times: ArrayLike, order: int) -> Array:
         """Values and derivatives d^k/dt^k, k = 0 .. `order`.
 
-        Args:
-            times: shape (N,) [s], in any order.
-            order: highest derivative, 0 for values only; the paths made here have up to 30.
+        Parameters
+        ----------
+        times
+            Shape (N,) [s], in any order.
+        order
+            Highest derivative, 0 for values only; the paths made here have up to 30.
 
-        Returns:
+        Returns
+        -------
+        Array
             Shape (order+1, N, size).
 
-        Raises:
-            PathError: a time is NaN, or the order is out of range.
+        Raises
+        ------
+        PathError
+            A time is NaN, or the order is out of range.
         """
 
-    def __call__(self, times: ArrayLike) -> FloatArray:
+    def __call__(self, times: ArrayLike) -> Array:
         """Values at `times` (N,), shape (N, size)."""
 
     def __hash__(self) -> int:
@@ -85,20 +93,20 @@ class OfPath:
         return self.path.size
 
     @property
-    def start(self) -> FloatArray:
+    def start(self) -> Array:
         """Shape (size,)."""
         return self.path.start
 
     @property
-    def goal(self) -> FloatArray:
+    def goal(self) -> Array:
         """Shape (size,)."""
         return self.path.goal
 
-    def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
+    def derivatives(self, times: ArrayLike, order: int) -> Array:
         """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size)."""
         return self.path.derivatives(times, order)
 
-    def __call__(self, times: ArrayLike) -> FloatArray:
+    def __call__(self, times: ArrayLike) -> Array:
         """Values at `times` (N,), shape (N, size)."""
         return np.asarray(self.derivatives(times, 0)[0])
 
@@ -107,9 +115,11 @@ class OfPath:
 class StraightPath:
     """A straight line from `begin` to `end`, covered as a scalar profile says.
 
-    Raises:
-        PathError: a coordinate is not a finite number or beyond 1e12, the duration is not from
-            1e-6 s to 1e9 s, or the two ends differ in length.
+    Raises
+    ------
+    PathError
+        A coordinate is not a finite number or beyond 1e12, the duration is not from
+        1e-6 s to 1e9 s, or the two ends differ in length.
     """
 
     begin: tuple[float, ...]
@@ -139,16 +149,16 @@ class StraightPath:
         return len(self.begin)
 
     @property
-    def start(self) -> FloatArray:
+    def start(self) -> Array:
         """Shape (size,)."""
         return np.array(self.begin)
 
     @property
-    def goal(self) -> FloatArray:
+    def goal(self) -> Array:
         """Shape (size,)."""
         return np.array(self.end)
 
-    def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
+    def derivatives(self, times: ArrayLike, order: int) -> Array:
         """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size)."""
         order = check_derivative(order)
         times = check_times(times)
@@ -165,27 +175,34 @@ class StraightPath:
             result[0, arrived, column] = end
         return result
 
-    def __call__(self, times: ArrayLike) -> FloatArray:
+    def __call__(self, times: ArrayLike) -> Array:
         """Values at `times` (N,), shape (N, size)."""
         return np.asarray(self.derivatives(times, 0)[0])
 
 
 def rest_to_rest(
-    start: Sequence[float] | FloatArray,
-    goal: Sequence[float] | FloatArray,
+    start: Sequence[float] | Array,
+    goal: Sequence[float] | Array,
     duration: float,
     order: int = 4,
 ) -> StraightPath:
     """A straight line from rest to rest on a polynomial of degree 2 `order` + 1.
 
-    Args:
-        start: where it starts, shape (size,), in the rig's order of outputs.
-        goal: where it ends, shape (size,).
-        duration: [s], > 0.
-        order: number of derivatives that vanish at both ends; 4 is Y 4.87, 6 is K 3.57.
+    Parameters
+    ----------
+    start
+        Where it starts, shape (size,), in the rig's order of outputs.
+    goal
+        Where it ends, shape (size,).
+    duration
+        [s], > 0.
+    order
+        Number of derivatives that vanish at both ends; 4 is Y 4.87, 6 is K 3.57.
 
-    Raises:
-        PathError: see `StraightPath`, or the order is not a whole number from 0 to 100.
+    Raises
+    ------
+    PathError
+        See `StraightPath`, or the order is not a whole number from 0 to 100.
     """
     return StraightPath(
         check_point("start", start), check_point("goal", goal), duration, RestToRest(order)
@@ -193,24 +210,32 @@ def rest_to_rest(
 
 
 def three_phase(
-    start: Sequence[float] | FloatArray,
-    goal: Sequence[float] | FloatArray,
+    start: Sequence[float] | Array,
+    goal: Sequence[float] | Array,
     duration: float,
     blend: float,
     order: int = 4,
 ) -> StraightPath:
     """A straight line at constant speed, with smooth blends from and to rest (Y 4.126-4.128).
 
-    Args:
-        start: where it starts, shape (size,), in the rig's order of outputs.
-        goal: where it ends, shape (size,).
-        duration: tau [s], > 0.
-        blend: tau0, how long the speed takes to build up and to die down [s],
-            from a millionth of the duration to half of it.
-        order: number of continuous derivatives, from 1 (trapezoidal speed) to 100; 4 is Y's.
+    Parameters
+    ----------
+    start
+        Where it starts, shape (size,), in the rig's order of outputs.
+    goal
+        Where it ends, shape (size,).
+    duration
+        Tau [s], > 0.
+    blend
+        tau0, how long the speed takes to build up and to die down [s],
+        from a millionth of the duration to half of it.
+    order
+        Number of continuous derivatives, from 1 (trapezoidal speed) to 100; 4 is Y's.
 
-    Raises:
-        PathError: as for `rest_to_rest`, or the blend is out of range.
+    Raises
+    ------
+    PathError
+        As for `rest_to_rest`, or the blend is out of range.
     """
     duration = check_duration(duration)
     fraction = check_duration(blend, "blend") / duration
@@ -231,11 +256,13 @@ def three_phase(
     )
 
 
-def hold(position: Sequence[float] | FloatArray, duration: float = 1.0) -> StraightPath:
+def hold(position: Sequence[float] | Array, duration: float = 1.0) -> StraightPath:
     """The path that stays at `position` (shape (size,)): a set point.
 
-    Raises:
-        PathError: a coordinate is not finite, or the duration is not positive.
+    Raises
+    ------
+    PathError
+        A coordinate is not finite, or the duration is not positive.
     """
     point = check_point("position", position)
     return StraightPath(point, point, duration, AtRest())
@@ -247,8 +274,10 @@ def from_move(move: "Move") -> Reference:
     A sampled move follows its CSV: start, goal and duration are the file's, and if the move has a
     start of its own, the file needs as many outputs.
 
-    Raises:
-        PathError: the move's numbers make no path, or its file cannot be used.
+    Raises
+    ------
+    PathError
+        The move's numbers make no path, or its file cannot be used.
     """
     if move.profile == "sampled":
         return from_csv(move.samples, move.order, size=len(move.start) or None)

@@ -13,7 +13,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 
 from ...models.errors import PathError
-from ..checks import FloatArray
+from ...models.types import Array
 
 WORTHWHILE = 8.0
 """A doubling of the pieces that brings the points less than this closer follows their noise.  A
@@ -30,21 +30,30 @@ REFINEMENTS = 2
 up to 1e4 for degree 9, and each correction takes that back."""
 
 
-def fit(times: FloatArray, points: FloatArray, order: int, tolerance: float) -> BSpline:
+def fit(times: Array, points: Array, order: int, tolerance: float) -> BSpline:
     """The spline along points that pieces as few as possible bring within the tolerance.
 
-    Args:
-        times: shape (N,), increasing, spaced by about 1 for conditioning.
-        points: shape (N, size).
-        order: n, number of vanishing derivatives at both ends; the degree is 2n+1.
-        tolerance: largest deviation of a point's coordinate.  Doubling goes on below it as long
-            as it is worthwhile.
+    Parameters
+    ----------
+    times
+        Shape (N,), increasing, spaced by about 1 for conditioning.
+    points
+        Shape (N, size).
+    order
+        N, number of vanishing derivatives at both ends; the degree is 2n+1.
+    tolerance
+        Largest deviation of a point's coordinate.  Doubling goes on below it as long
+        as it is worthwhile.
 
-    Returns:
+    Returns
+    -------
+    BSpline
         A spline with values of shape (size,).  It interpolates if nothing coarser will do.
 
-    Raises:
-        PathError: a recording scatters by more than the tolerance.
+    Raises
+    ------
+    PathError
+        A recording scatters by more than the tolerance.
     """
     best: BSpline | None = None
     smallest = ROUNDING * float(np.abs(points).max())
@@ -72,8 +81,10 @@ def fit(times: FloatArray, points: FloatArray, order: int, tolerance: float) -> 
 def _refuse_scatter(deviations: list[float], tolerance: float) -> None:
     """Refuse points that more pieces come no closer to.
 
-    Raises:
-        PathError: the last doublings of the pieces were not worthwhile.
+    Raises
+    ------
+    PathError
+        The last doublings of the pieces were not worthwhile.
     """
     resolved = len(deviations) - 1
     while resolved > 0 and deviations[resolved] * WORTHWHILE > deviations[resolved - 1]:
@@ -85,11 +96,13 @@ def _refuse_scatter(deviations: list[float], tolerance: float) -> None:
         )
 
 
-def interpolate(times: FloatArray, points: FloatArray, order: int) -> BSpline:
+def interpolate(times: Array, points: Array, order: int) -> BSpline:
     """The spline of degree 2 `order` + 1 through all points, a knot at each.
 
-    Raises:
-        PathError: the times are too uneven for it.
+    Raises
+    ------
+    PathError
+        The times are too uneven for it.
     """
     rest = [(k, np.zeros(points.shape[1])) for k in range(1, order + 1)]
     ends = (rest, rest) if rest else None
@@ -104,7 +117,7 @@ def interpolate(times: FloatArray, points: FloatArray, order: int) -> BSpline:
     return spline
 
 
-def least_squares(times: FloatArray, points: FloatArray, order: int, pieces: int) -> BSpline | None:
+def least_squares(times: Array, points: Array, order: int, pieces: int) -> BSpline | None:
     """The spline of least squares with knots at every so many points; None where it is singular."""
     degree = 2 * order + 1
     chosen = np.round(np.linspace(0, len(times) - 1, pieces + 1)).astype(int)

@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from ...models.errors import PathError
-from ..checks import FloatArray, check_times
+from ...models.types import Array
+from ..checks import check_times
 from ..series.rotation import bryant, sine_cosine
 from .reference import OfPath, StraightPath
 
@@ -30,9 +31,11 @@ SMALLEST_COSINE = 1e-6
 class FixedAxis(OfPath):
     """A straight path three of whose columns are the Bryant angles of a turn about one axis.
 
-    Raises:
-        PathError: the columns are not three of the path's, or an orientation is one at which
-            Bryant angles are singular.
+    Raises
+    ------
+    PathError
+        The columns are not three of the path's, or an orientation is one at which
+        Bryant angles are singular.
     """
 
     path: StraightPath
@@ -57,12 +60,12 @@ class FixedAxis(OfPath):
         return self.path.duration
 
     @property
-    def goal(self) -> FloatArray:
+    def goal(self) -> Array:
         """Shape (size,); alpha and gamma within half a turn of zero."""
         return np.asarray(self(np.array([self.duration]))[0])
 
     @property
-    def axis(self) -> FloatArray:
+    def axis(self) -> Array:
         """Axis times angle of the whole turn, in the platform's axes at the start, (3,) [rad]."""
         first, last = (self._rotation(end) for end in (self.path.begin, self.path.end))
         return np.asarray((first.inv() * last).as_rotvec())
@@ -70,11 +73,13 @@ class FixedAxis(OfPath):
     def _rotation(self, end: tuple[float, ...]) -> Rotation:
         return Rotation.from_euler("XYZ", [end[column] for column in self.columns])
 
-    def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
+    def derivatives(self, times: ArrayLike, order: int) -> Array:
         """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size).
 
-        Raises:
-            PathError: also where beta comes to +-90 degrees.
+        Raises
+        ------
+        PathError
+            Also where beta comes to +-90 degrees.
         """
         times = check_times(times)
         result = self.path.derivatives(times, order)
@@ -105,7 +110,9 @@ class FixedAxis(OfPath):
 def fixed_axis(path: StraightPath, columns: Sequence[int]) -> FixedAxis:
     """The path with the Bryant angles in three columns turned about one fixed axis.
 
-    Raises:
-        PathError: see `FixedAxis`.
+    Raises
+    ------
+    PathError
+        See `FixedAxis`.
     """
     return FixedAxis(path, tuple(columns))  # type: ignore[arg-type]

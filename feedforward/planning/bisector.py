@@ -23,7 +23,8 @@ from numpy.typing import ArrayLike
 
 from ...models.errors import PathError, RigError, did_you_mean
 from ...models.rig.rig import Load, Rig
-from ..checks import FloatArray, check_derivative, check_times
+from ...models.types import Array
+from ..checks import check_derivative, check_times
 from ..exact.branch import branch_of, taylor_of
 from ..exact.refusal import failure
 from ..exact.servo import prescribe
@@ -58,20 +59,20 @@ class Beside:
         return sum(part.size for part in self.parts)
 
     @property
-    def start(self) -> FloatArray:
+    def start(self) -> Array:
         """Shape (size,)."""
         return np.concatenate([part.start for part in self.parts])
 
     @property
-    def goal(self) -> FloatArray:
+    def goal(self) -> Array:
         """Shape (size,)."""
         return np.concatenate([part.goal for part in self.parts])
 
-    def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
+    def derivatives(self, times: ArrayLike, order: int) -> Array:
         """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size)."""
         return np.concatenate([part.derivatives(times, order) for part in self.parts], axis=2)
 
-    def __call__(self, times: ArrayLike) -> FloatArray:
+    def __call__(self, times: ArrayLike) -> Array:
         """Values at `times` (N,), shape (N, size)."""
         return np.asarray(self.derivatives(times, 0)[0])
 
@@ -79,8 +80,10 @@ class Beside:
 def beside(*parts: Reference) -> Beside:
     """Paths side by side, such as the load's and the height of the pulley, each with its columns.
 
-    Raises:
-        PathError: there is none.
+    Raises
+    ------
+    PathError
+        There is none.
     """
     if not parts:
         raise PathError("there is no path to put beside another")
@@ -128,20 +131,22 @@ class Bisected:
         return len(self.rig.outputs)
 
     @property
-    def start(self) -> FloatArray:
+    def start(self) -> Array:
         """Shape (size,)."""
         return np.array(self([0.0])[0])
 
     @property
-    def goal(self) -> FloatArray:
+    def goal(self) -> Array:
         """Shape (size,)."""
         return np.array(self([self.duration])[0])
 
-    def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
+    def derivatives(self, times: ArrayLike, order: int) -> Array:
         """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size).
 
-        Raises:
-            PathError: the crane without the pulley's mass cannot follow the load's path.
+        Raises
+        ------
+        PathError
+            The crane without the pulley's mass cannot follow the load's path.
         """
         order = check_derivative(order)
         times = check_times(times)
@@ -153,11 +158,11 @@ class Bisected:
         result[..., self.rig.outputs.index(self.height)] = heights
         return result
 
-    def __call__(self, times: ArrayLike) -> FloatArray:
+    def __call__(self, times: ArrayLike) -> Array:
         """Values at `times` (N,), shape (N, size)."""
         return np.asarray(self.derivatives(times, 0)[0])
 
-    def _heights(self, times: FloatArray, order: int) -> FloatArray:
+    def _heights(self, times: Array, order: int) -> Array:
         """Derivatives of the height, shape (order+1, N)."""
         branch = branch_of(self.light, self.load)
         analysis = branch.analysis
@@ -177,13 +182,19 @@ class Bisected:
 def massless(rig: Rig, pulley: str = "pulley", rope: str = "suspension") -> Rig:
     """The same crane with a pulley without mass and without the rope that it hangs on.
 
-    Args:
-        rig: a crane with a free pulley.
-        pulley: name of the pulley, one of the rig's loads.
-        rope: name of its own rope, which goes with its drive and its anchor.
+    Parameters
+    ----------
+    rig
+        A crane with a free pulley.
+    pulley
+        Name of the pulley, one of the rig's loads.
+    rope
+        Name of its own rope, which goes with its drive and its anchor.
 
-    Raises:
-        RigError: there is no such pulley or rope, or not just one output of the pulley's.
+    Raises
+    ------
+    RigError
+        There is no such pulley or rope, or not just one output of the pulley's.
     """
     for kind, name, known in (
         ("pulley", pulley, [load.name for load in rig.loads]),
@@ -214,16 +225,24 @@ def bisected(
 ) -> Bisected:
     """A path of the load, and of its pulley as if that had no mass (K remarks 19, 24).
 
-    Args:
-        rig: a crane with a heavy free pulley, such as `models.navy_crane_3d()`.
-        load: path of the load's outputs alone; with two continuous derivatives more than the
-            rig needs, for two are lost.
-        pulley: name of the pulley, one of whose coordinates is an output.
-        rope: name of the rope that the pulley hangs on.
+    Parameters
+    ----------
+    rig
+        A crane with a heavy free pulley, such as `models.navy_crane_3d()`.
+    load
+        Path of the load's outputs alone; with two continuous derivatives more than the
+        rig needs, for two are lost.
+    pulley
+        Name of the pulley, one of whose coordinates is an output.
+    rope
+        Name of the rope that the pulley hangs on.
 
-    Raises:
-        RigError: as `massless`.
-        PathError: the path has another number of columns.
+    Raises
+    ------
+    RigError
+        As `massless`.
+    PathError
+        The path has another number of columns.
     """
     light = massless(rig, pulley, rope)
     (height,) = set(rig.outputs) - set(light.outputs)

@@ -20,7 +20,8 @@ import numpy as np
 
 from ...models.errors import OptionError, PathError
 from ...models.rig.rig import Drive, Frame, Rig, Rope
-from ..checks import FloatArray, as_number
+from ...models.types import Array
+from ..checks import as_number
 from ..exact.branch import accept_columns
 from ..exact.inverse import solve
 from ..exact.motion import Motion, Slack
@@ -121,18 +122,28 @@ class AsSmooth(OfPath):
 def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
     """Whether a rig can make a move: smoothness, workspace, rails, ropes and drives.
 
-    Args:
-        rig: a flat rig.
-        reference: path of the rig's outputs.
-        rate: samples per second [Hz].
+    Parameters
+    ----------
+    rig
+        A flat rig.
+    reference
+        Path of the rig's outputs.
+    rate
+        Samples per second [Hz].
 
-    Returns:
+    Returns
+    -------
+    Feasibility
         What was found.  What is wrong with the move is said there and not raised.
 
-    Raises:
-        RigError: the rig itself cannot be treated.
-        PathError: the path's columns are not the rig's outputs.
-        OptionError: the rate is not > 0, or makes more than a million samples.
+    Raises
+    ------
+    RigError
+        The rig itself cannot be treated.
+    PathError
+        The path's columns are not the rig's outputs.
+    OptionError
+        The rate is not > 0, or makes more than a million samples.
     """
     accept_columns(rig, reference)
     needed = analyse(rig).reference_order
@@ -170,11 +181,13 @@ def driven_unit(rig: Rig, drive: Drive) -> str:
     return "N m" if turns else "N"
 
 
-def instants(duration: float, rate: float) -> FloatArray:
+def instants(duration: float, rate: float) -> Array:
     """Samples from 0 to the end of a path, `rate` in a second or more.  Shape (N,).
 
-    Raises:
-        OptionError: the rate is not > 0, or makes more than a million samples.
+    Raises
+    ------
+    OptionError
+        The rate is not > 0, or makes more than a million samples.
     """
     number = as_number(rate)
     if not 0 < number < math.inf:

@@ -23,7 +23,8 @@ import numpy as np
 
 from ...models.errors import PathError
 from ...models.rig.rig import Load, Platform, Rig
-from ..checks import FloatArray, as_number, check_point
+from ...models.types import Array
+from ..checks import as_number, check_point
 from ..exact.assembly import equations_of
 from ..exact.equations import redundant
 from ..exact.inverse import solve
@@ -44,8 +45,10 @@ SECTIONS = 60
 class Sphere:
     """A ball that nothing may touch.
 
-    Raises:
-        PathError: the centre is not three finite numbers, or the radius not >= 0.
+    Raises
+    ------
+    PathError
+        The centre is not three finite numbers, or the radius not >= 0.
     """
 
     name: str
@@ -58,11 +61,11 @@ class Sphere:
         object.__setattr__(self, "centre", _three(f"centre of {self.name}", self.centre))
         _check_radius(f"radius of {self.name}", self.radius)
 
-    def distance(self, points: FloatArray) -> FloatArray:
+    def distance(self, points: Array) -> Array:
         """From points (..., 3) to the surface [m], negative inside; shape (...)."""
         return np.asarray(np.linalg.norm(points - self.centre, axis=-1) - self.radius)
 
-    def segment_distance(self, begin: FloatArray, end: FloatArray) -> FloatArray:
+    def segment_distance(self, begin: Array, end: Array) -> Array:
         """Smallest distance of the segments from `begin` to `end` (N, 3), shape (N,)."""
         along = end - begin
         square = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
@@ -74,8 +77,10 @@ class Sphere:
 class Box:
     """A box along the axes that nothing may touch.
 
-    Raises:
-        PathError: a corner is not three finite numbers, or `low` is not below `high`.
+    Raises
+    ------
+    PathError
+        A corner is not three finite numbers, or `low` is not below `high`.
     """
 
     name: str
@@ -92,19 +97,19 @@ class Box:
                 f"low of {self.name} is {self.low}, it must not be above high, {self.high}"
             )
 
-    def distance(self, points: FloatArray) -> FloatArray:
+    def distance(self, points: Array) -> Array:
         """From points (..., 3) to the surface [m], negative inside; shape (...)."""
         beyond = np.maximum(np.array(self.low) - points, points - self.high)
         outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
         return np.asarray(outside + np.minimum(beyond.max(axis=-1), 0.0))
 
-    def segment_distance(self, begin: FloatArray, end: FloatArray) -> FloatArray:
+    def segment_distance(self, begin: Array, end: Array) -> Array:
         """Smallest distance of the segments from `begin` to `end` (N, 3), shape (N,).
 
         The distance from a convex body is convex along a segment: golden sections find the least.
         """
 
-        def at(share: FloatArray) -> FloatArray:
+        def at(share: Array) -> Array:
             return self.distance(begin + share[:, None] * (end - begin))
 
         left, right = np.zeros(len(begin)), np.ones(len(begin))
@@ -153,18 +158,29 @@ def clearance(
 ) -> Clearance:
     """The smallest distance that the load, and the ropes too, keep from obstacles on a move.
 
-    Args:
-        rig: a flat rig.
-        reference: path of its outputs, which it can follow.
-        obstacles: one or more.
-        load_radius: of the loads and platforms [m].
-        ropes: whether ropes count.
-        rate: samples per second, between which the smallest distance is then refined [Hz].
+    Parameters
+    ----------
+    rig
+        A flat rig.
+    reference
+        Path of its outputs, which it can follow.
+    obstacles
+        One or more.
+    load_radius
+        Of the loads and platforms [m].
+    ropes
+        Whether ropes count.
+    rate
+        Samples per second, between which the smallest distance is then refined [Hz].
 
-    Raises:
-        PathError: there is no obstacle, the radius is not >= 0, or as `solve`.
-        RigError, SmoothnessError: as `solve`.
-        OptionError: the rate is not > 0, or makes more than a million samples.
+    Raises
+    ------
+    PathError
+        There is no obstacle, the radius is not >= 0, or as `solve`.
+    RigError, SmoothnessError
+        As `solve`.
+    OptionError
+        The rate is not > 0, or makes more than a million samples.
     """
     if not obstacles:
         raise PathError("there is no obstacle to keep clear of")
@@ -202,7 +218,7 @@ def _closest(
     return Clearance(float(gaps[i]), float(motion.times[i]), part, name)
 
 
-def _places(motion: Motion) -> dict[str, FloatArray]:
+def _places(motion: Motion) -> dict[str, Array]:
     """Where every anchor and mass is, (N, 3) each."""
     rig, equations = motion.rig, equations_of(motion.rig)
     columns = {name: motion.column(name) for name in rig.coordinate_names}
@@ -216,8 +232,10 @@ def _places(motion: Motion) -> dict[str, FloatArray]:
 def _three(name: str, point: object) -> tuple[float, float, float]:
     """A point in space.
 
-    Raises:
-        PathError: it is something else.
+    Raises
+    ------
+    PathError
+        It is something else.
     """
     values = check_point(name, point)
     if len(values) != 3:

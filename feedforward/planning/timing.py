@@ -26,7 +26,8 @@ from numpy.typing import ArrayLike
 
 from ...models.errors import OptionError, PathError, SmoothnessError
 from ...models.rig.rig import Rig
-from ..checks import FloatArray, as_number, check_derivative, check_duration, check_times
+from ...models.types import Array
+from ..checks import as_number, check_derivative, check_duration, check_times
 from ..exact.inverse import solve
 from ..paths.reference import OfPath, Reference
 from .feasibility import TAUT, driven_unit
@@ -45,8 +46,10 @@ PRECISION = 1e-4
 class Scaled(OfPath):
     """A path that another one takes, in another time.
 
-    Raises:
-        PathError: the duration is not from 1e-6 s to 1e9 s.
+    Raises
+    ------
+    PathError
+        The duration is not from 1e-6 s to 1e9 s.
     """
 
     path: Reference
@@ -61,7 +64,7 @@ class Scaled(OfPath):
         """Number of continuous derivatives."""
         return self.path.order
 
-    def derivatives(self, times: ArrayLike, order: int) -> FloatArray:
+    def derivatives(self, times: ArrayLike, order: int) -> Array:
         """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size)."""
         order = check_derivative(order)
         pace = self.path.duration / self.duration
@@ -75,8 +78,10 @@ class Scaled(OfPath):
 def scaled(reference: Reference, duration: float) -> Scaled:
     """The same path in another time, as smooth as before.
 
-    Raises:
-        PathError: the duration is not from 1e-6 s to 1e9 s.
+    Raises
+    ------
+    PathError
+        The duration is not from 1e-6 s to 1e9 s.
     """
     return Scaled(reference, duration)
 
@@ -151,17 +156,27 @@ def shortest_duration(
 ) -> Shortest:
     """The shortest duration for which ropes stay taut and drives within their limits.
 
-    Args:
-        rig: a flat rig.
-        path: a path, which is then `scaled`, or a function that makes one of each duration [s].
-        margin: lowest tension allowed in any rope [N].
-        share: largest part of each drive's limit allowed, above 0 and at most 1.
+    Parameters
+    ----------
+    rig
+        A flat rig.
+    path
+        A path, which is then `scaled`, or a function that makes one of each duration [s].
+    margin
+        Lowest tension allowed in any rope [N].
+    share
+        Largest part of each drive's limit allowed, above 0 and at most 1.
 
-    Raises:
-        RigError: the rig is not flat.
-        SmoothnessError: the path is not smooth enough, in whatever time.
-        PathError: no duration is within the bounds, and the message says what is in the way.
-        OptionError: margin or share is out of range.
+    Raises
+    ------
+    RigError
+        The rig is not flat.
+    SmoothnessError
+        The path is not smooth enough, in whatever time.
+    PathError
+        No duration is within the bounds, and the message says what is in the way.
+    OptionError
+        Margin or share is out of range.
     """
     if not math.isfinite(as_number(margin)):
         raise OptionError(f"margin is {margin!r}, it must be a finite number [N]")
@@ -192,8 +207,10 @@ def _boundary(bounds: _Bounds, start: float) -> tuple[float, float]:
 
     All longer durations of the grid are within the bounds.
 
-    Raises:
-        PathError: no duration is.
+    Raises
+    ------
+    PathError
+        No duration is.
     """
     good = start
     for _ in range(TRIES):

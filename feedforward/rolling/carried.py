@@ -3,15 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import PathError
 from ...models.hand.hand import Hand, Plate
 from ...models.hand.move import HandMove
+from ...models.types import Array
 from ..series.products import between, share
 from .kinematics import cross_matrix, projector
-
-Array = NDArray[np.float64]
 
 TOLERANCE = 1e-9
 """[m]"""
@@ -44,8 +42,10 @@ def carried_by(hand: Hand, move: HandMove) -> Carried:
     from one force: along the plate the centre follows p' = J / (m R) n x w, and the plate moves
     under it accordingly.
 
-    Raises:
-        PathError: the move shifts the centre where rolling alone decides.
+    Raises
+    ------
+    PathError
+        The move shifts the centre where rolling alone decides.
     """
     radius, fingers = hand.held.radius, hand.fingers
     if len(fingers) == 1 and isinstance(fingers[0].surface, Plate):

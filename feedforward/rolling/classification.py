@@ -16,13 +16,12 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ...models.hand.hand import Finger, Hand, Plate, Tip
+from ...models.types import Array
 from .kinematics import Rolling
 
-Array = NDArray[np.float64]
 Answer = Literal["yes", "no", "?"]
 
 STATES = 3
@@ -184,8 +183,10 @@ def _in_radii(finger: Finger, radius: float) -> Finger:
 def classify(hand: Hand) -> Classification:
     """Holonomy, flatness and the Liouvillian property of a hand's kinematics (K table 2.1).
 
-    Raises:
-        RigError: see `Rolling`.
+    Raises
+    ------
+    RigError
+        See `Rolling`.
     """
     # lengths in radii of the object, so that no size makes a rank small
     tips = [_in_radii(finger, hand.held.radius) for finger in hand.fingers]

@@ -9,15 +9,13 @@ none.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from ...models.errors import OptionError, PathError
+from ...models.types import Array
 from ..checks import as_number
 from .grasp import OUTSIDE, ContactForces, split, weight_of
 from .hand_motion import HandMotion
-
-Array = NDArray[np.float64]
 
 PENALTY = 1e5
 """Of leaving a cone, against the internal forces, in units of the weight or of what presses; forces
@@ -31,14 +29,21 @@ LARGEST_FRICTION = 1e3
 def in_cones(motion: HandMotion, margin: float = 0.2, press: float = 0.05) -> ContactForces:
     """The smallest contact forces inside the friction cones.
 
-    Args:
-        motion: what the fingers make the object do.
-        margin: share of the friction coefficient that is kept in reserve, from 0 to below 1.
-        press: how hard every finger presses at least, as a share of the object's weight.
+    Parameters
+    ----------
+    motion
+        What the fingers make the object do.
+    margin
+        Share of the friction coefficient that is kept in reserve, from 0 to below 1.
+    press
+        How hard every finger presses at least, as a share of the object's weight.
 
-    Raises:
-        PathError: no such forces exist; with finger, time and amount.
-        OptionError: margin or press is out of range, or clarabel is not installed.
+    Raises
+    ------
+    PathError
+        No such forces exist; with finger, time and amount.
+    OptionError
+        Margin or press is out of range, or clarabel is not installed.
     """
     if not 0.0 <= as_number(margin) < 1.0:
         raise OptionError(f"margin is {margin!r}, it must be from 0 to below 1")

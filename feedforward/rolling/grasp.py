@@ -13,13 +13,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import PathError
+from ...models.types import Array
 from .hand_motion import HandMotion
 from .kinematics import cross_matrix
-
-Array = NDArray[np.float64]
 
 RANK_TOLERANCE = 1e-9
 """Of singular values of B, moments divided by the object's radius."""
@@ -123,8 +121,10 @@ def grasp_matrix(motion: HandMotion) -> Array:
 def split(motion: HandMotion) -> tuple[Array, Array]:
     """Forces of least norm (N, 3 fingers), and bases Z of the internal ones, (N, 3 fingers, k).
 
-    Raises:
-        PathError: no forces at the contacts give the wrench that the motion needs.
+    Raises
+    ------
+    PathError
+        No forces at the contacts give the wrench that the motion needs.
     """
     matrix, right = grasp_matrix(motion), wrench(motion)
     matrix[:, 3:] /= motion.hand.held.radius
@@ -170,8 +170,10 @@ def _unbalanced(motion: HandMotion, left: Array, worst: Array) -> PathError:
 def least_norm(motion: HandMotion) -> ContactForces:
     """Contact forces of the smallest sum of squares, wherever they point (K example 7, 8).
 
-    Raises:
-        PathError: no forces at the contacts give what the motion needs.
+    Raises
+    ------
+    PathError
+        No forces at the contacts give what the motion needs.
     """
     forces, _ = split(motion)
     return ContactForces(motion, forces.reshape(motion.normals.shape))

@@ -4,14 +4,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.files import replacing
 from ...models.hand.hand import Hand
 from ...models.hand.move import HandMove
+from ...models.types import Array
 from ..series.products import rpy_angles
-
-Array = NDArray[np.float64]
 
 AXES = ("x", "y", "z")
 
@@ -138,8 +136,10 @@ class HandMotion:
     def to_csv(self, path: str | Path) -> None:
         """Write `table`.
 
-        Raises:
-            OutputError: the file cannot be written.
+        Raises
+        ------
+        OutputError
+            The file cannot be written.
         """
         with replacing(path) as beside:
             header = ",".join(self.column_names)

@@ -3,13 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.hand.hand import Tip
+from ...models.types import Array
 from .grasp import ContactForces
 from .hand_motion import HandMotion
-
-Array = NDArray[np.float64]
 
 
 class JointForces(NamedTuple):

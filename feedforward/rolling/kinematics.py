@@ -22,12 +22,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import RigError
 from ...models.hand.hand import Hand, Plate, Tip
-
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 TOLERANCE = 1e-9
 """Below which a pivot of a constraint of numbers of order one counts as zero."""
@@ -80,8 +78,10 @@ def constraint_matrix(hand: Hand, normals: Array) -> Array:
 def spin_direction(hand: Hand, normals: Array) -> Array:
     """The motion (p', w) that pivots about all contacts at once, shape (6,) (K 2.13).
 
-    Raises:
-        RigError: there is none (K corollary 1), or more than one.
+    Raises
+    ------
+    RigError
+        There is none (K corollary 1), or more than one.
     """
     turn = cross_matrix(normals)
     identity = np.broadcast_to(np.eye(3), turn.shape)
@@ -126,8 +126,10 @@ def free_motions(matrix: Array) -> tuple[Array, list[int]]:
 class Rolling:
     """The driftless system of a hand.
 
-    Raises:
-        RigError: spin is to be excluded where the hand cannot spin.
+    Raises
+    ------
+    RigError
+        Spin is to be excluded where the hand cannot spin.
     """
 
     hand: Hand

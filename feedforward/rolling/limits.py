@@ -6,14 +6,12 @@ from itertools import permutations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import PathError
 from ...models.hand.hand import Finger, Plate, Tip
+from ...models.types import Array
 from .hand_motion import HandMotion
 from .kinematics import projector, spin_direction
-
-Array = NDArray[np.float64]
 
 ROUNDING = 1e-9
 """[m], [rad] or [rad/s] that are not worth a refusal."""
@@ -34,8 +32,10 @@ class Fault(NamedTuple):
 def check_limits(motion: HandMotion) -> None:
     """Refuse a motion for its first fault, as far as the samples show it.
 
-    Raises:
-        PathError: with finger, time and amount.
+    Raises
+    ------
+    PathError
+        With finger, time and amount.
     """
     first: tuple[float, str] | None = None
     for fault in _faults(motion):

@@ -9,13 +9,12 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ...models.hand.move import HandMove
+from ...models.types import Array
 from ..series.products import ORDERS, about_axis, between, matmul, rotation_of, rpy_matrix, share
 
-Array = NDArray[np.float64]
 Axes = tuple[tuple[float, ...], ...]
 """Rows of a rotation, hashable."""
 

@@ -29,8 +29,10 @@ def _use(forces: ContactForces) -> str:
 def line(hand: Hand, move: HandMove) -> str:
     """How well a hand's plan keeps its constraints, and what friction its forces use.
 
-    Raises:
-        PathError: the hand cannot make the move.
+    Raises
+    ------
+    PathError
+        The hand cannot make the move.
     """
     plan = plan_hand(hand, move)
     motion = plan(np.linspace(0.0, move.duration, SAMPLES))
@@ -48,8 +50,10 @@ def line(hand: Hand, move: HandMove) -> str:
 def report(names: Iterable[str] = tuple(HAND_CATALOGUE)) -> str:
     """Constraint residuals, quadrature error [rad], re-integration error [rad], friction used.
 
-    Raises:
-        RigError: a name is not in the catalogue.
+    Raises
+    ------
+    RigError
+        A name is not in the catalogue.
     """
     head = (
         f"{'hand':<29}{'move':<10}{'constraints':>12}{'quadrature':>12}{'replay':>12}  "

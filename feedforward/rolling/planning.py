@@ -19,11 +19,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...models.errors import PathError
 from ...models.hand.hand import Hand, Plate
 from ...models.hand.move import HandMove
+from ...models.types import Array
 from ..checks import check_duration, check_order, check_times
 from ..series.products import angular_velocity
 from .carried import Carried, carried_by
@@ -34,8 +35,6 @@ from .quadrature import integrate
 from .tips import FixedTip, TurningTip, tip_paths
 from .with_spin import WithSpin, with_spin
 from .without_spin import without_spin
-
-Array = NDArray[np.float64]
 
 CHECKED = 401
 """Instants at which a plan is checked against the hand's limits."""
@@ -60,8 +59,10 @@ class HandPlan:
     def __call__(self, times: ArrayLike) -> HandMotion:
         """The motion at times (N,) [s]; before 0 and after the duration it rests.
 
-        Raises:
-            PathError: a time is not a number.
+        Raises
+        ------
+        PathError
+            A time is not a number.
         """
         times = check_times(times)
         rotation = self.turning.rotation(times)
@@ -152,10 +153,13 @@ class HandPlan:
 def plan_hand(hand: Hand, move: HandMove) -> HandPlan:
     """Plan a move of a hand and check that the hand can make it.
 
-    Raises:
-        PathError: the move is not one of this hand, or would leave a tip or a plate, spin where
-            spin is excluded, or push fingers into each other; with finger, time and amount.
-        RigError: spin is to be excluded where the hand cannot spin.
+    Raises
+    ------
+    PathError
+        The move is not one of this hand, or would leave a tip or a plate, spin where
+        spin is excluded, or push fingers into each other; with finger, time and amount.
+    RigError
+        Spin is to be excluded where the hand cannot spin.
     """
     check_duration(move.duration)
     check_order("order", move.order, lowest=2)
@@ -179,8 +183,10 @@ def plan_hand(hand: Hand, move: HandMove) -> HandPlan:
 def _turning_of(hand: Hand, move: HandMove) -> Turning:
     """The path of the orientation.
 
-    Raises:
-        PathError: the hand cannot turn its object in the way the move asks for.
+    Raises
+    ------
+    PathError
+        The hand cannot turn its object in the way the move asks for.
     """
     if hand.planar or move.turning == "axis":
         return AboutAxis(move)

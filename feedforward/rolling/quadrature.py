@@ -3,9 +3,8 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 PANELS = 32
 """At least, over a whole motion."""
@@ -18,12 +17,18 @@ def integrate(
 ) -> tuple[Array, float]:
     """Integrals of a function from 0 to each time, and a bound of their error.
 
-    Args:
-        function: from times (M,) to values (M, size).
-        times: shape (N,), in any order; before 0 and after `duration` the function is taken as 0.
-        duration: where the last panel ends.
+    Parameters
+    ----------
+    function
+        From times (M,) to values (M, size).
+    times
+        Shape (N,), in any order; before 0 and after `duration` the function is taken as 0.
+    duration
+        Where the last panel ends.
 
-    Returns:
+    Returns
+    -------
+    tuple[Array, float]
         Shape (N, size), and the largest error: what halving all panels changes, which is the error
         of the coarser rule and so far above that of the integrals given.
     """

@@ -7,15 +7,13 @@ driftless system from the plan's generalized velocities alone.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ...models.hand.hand import Plate, Tip
+from ...models.types import Array
 from .hand_motion import HandMotion
 from .kinematics import Rolling, constraint_matrix
 from .planning import HandPlan
-
-Array = NDArray[np.float64]
 
 STEPS = 2000
 """Of the integration, whose own error is then far below 1e-8 rad for a few turns."""

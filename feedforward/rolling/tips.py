@@ -4,17 +4,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import PathError
 from ...models.hand.catalogue import on_sphere
 from ...models.hand.hand import Hand, Tip
 from ...models.hand.move import HandMove
+from ...models.types import Array
 from ..series.products import apply, between, cross, derivative, dot, quotient, rotation_of, share
 from ..series.rotation import product, sine_cosine
 from .orientation import AboutAxis, Turning
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,9 +75,11 @@ class TurningTip:
 def tip_paths(hand: Hand, move: HandMove, turning: Turning) -> dict[str, FixedTip | TurningTip]:
     """Paths of the contacts on a hand's round tips, by the finger's name.
 
-    Raises:
-        PathError: the move gives contacts for another number of fingers, or asks fixed tips for
-            a turn about a changing axis, or for contacts of their own.
+    Raises
+    ------
+    PathError
+        The move gives contacts for another number of fingers, or asks fixed tips for
+        a turn about a changing axis, or for contacts of their own.
     """
     tips = [finger for finger in hand.fingers if isinstance(finger.surface, Tip)]
     for name in ("contacts", "start_contacts"):

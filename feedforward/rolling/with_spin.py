@@ -22,11 +22,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ...models.errors import PathError
 from ...models.hand.move import HandMove
+from ...models.types import Array
 from ..series.products import (
     ORDERS,
     compose,
@@ -40,8 +40,6 @@ from ..series.products import (
 from ..series.rotation import product, sine_cosine
 from .orientation import Axes, turned_by
 from .without_spin import LARGEST_THETA
-
-Array = NDArray[np.float64]
 
 LEAST_TURN = math.pi / 2
 """Of phi over the path, without which the equations come near their singular place [rad]."""
@@ -80,8 +78,10 @@ def _quintic(ends: Array) -> Array:
 class WithSpin:
     """The path for RPY angles at both ends, whole turns included.
 
-    Raises:
-        PathError: theta is too near +-90 degrees, or phi hardly turns.
+    Raises
+    ------
+    PathError
+        Theta is too near +-90 degrees, or phi hardly turns.
     """
 
     move: HandMove
@@ -188,8 +188,10 @@ def with_spin(move: HandMove, radius: float) -> WithSpin:
     Where theta is too near +-90 degrees, it is planned in other axes of the object, which change
     nothing else.
 
-    Raises:
-        PathError: no axes tried give a path.
+    Raises
+    ------
+    PathError
+        No axes tried give a path.
     """
     best = _least_rolling(move, move.start, move.goal, radius, None)
     if best is not None:

@@ -18,11 +18,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ...models.errors import PathError
 from ...models.hand.move import HandMove
+from ...models.types import Array
 from ..series.products import (
     angular_velocity,
     derivative,
@@ -33,8 +33,6 @@ from ..series.products import (
 )
 from ..series.rotation import product, sine_cosine
 from .orientation import Axes, turned_by
-
-Array = NDArray[np.float64]
 
 LARGEST_THETA = math.radians(80.0)
 """Beyond it phi and psi turn fast while the object hardly does."""
@@ -65,8 +63,10 @@ def _integral(theta: Array, goal: float) -> Array:
 class WithoutSpin:
     """The path in given axes of the object.
 
-    Raises:
-        PathError: theta is too near +-90 degrees, or hardly changes.
+    Raises
+    ------
+    PathError
+        Theta is too near +-90 degrees, or hardly changes.
     """
 
     move: HandMove
@@ -164,8 +164,10 @@ def without_spin(move: HandMove) -> WithoutSpin | TwoLegs:
     Where the two ends differ by a turn about the vertical, theta is the same in all axes; then
     the object goes through a third orientation.
 
-    Raises:
-        PathError: no axes tried give a path.
+    Raises
+    ------
+    PathError
+        No axes tried give a path.
     """
     try:
         own = WithoutSpin(move, move.start, move.goal)

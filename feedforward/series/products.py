@@ -7,12 +7,10 @@ A series is an array whose first axis is the order of the Taylor coefficient, as
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...models.types import Array
 from ..paths.profiles import RestToRest
 from .rotation import product, sine_cosine
-
-Array = NDArray[np.float64]
 
 ORDERS = 3
 """Coefficients of a pose: its value, velocity and half its acceleration."""

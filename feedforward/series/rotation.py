@@ -6,9 +6,8 @@ angles to R there is no singular place; back there is one at beta = +-90 degrees
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 LEAST_COSINE = 1e-9
 """Of beta, below which alpha and gamma have no value of their own."""

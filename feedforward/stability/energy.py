@@ -27,17 +27,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.errors import OptionError
 from ...models.rig.rig import Rig, Rope
+from ...models.types import Array
 from ..exact.assembly import equations_of
 from ..exact.equations import Equations, redundant
 from ..exact.inverse import solve
 from ..exact.motion import Motion
 from ..paths.reference import hold
 
-Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
 
 
@@ -45,9 +44,12 @@ Columns = Mapping[str, Array]
 class Regulator:
     """PD on the encoders of a rig's drives, about a rest.
 
-    Raises:
-        OptionError: the gains are not one number >= 0 for each drive.
-        PathError: when first used, if the rig cannot rest at the set point.
+    Raises
+    ------
+    OptionError
+        The gains are not one number >= 0 for each drive.
+    PathError
+        When first used, if the rig cannot rest at the set point.
     """
 
     rig: Rig
@@ -88,9 +90,12 @@ class Regulator:
     def inputs(self, values: Columns, rates: Columns) -> Array:
         """What the controller gives the drives [N, N m], shape (..., drives).
 
-        Args:
-            values: arrays (...) for the names of `Rig.coordinate_names`; ropes may be left out.
-            rates: their rates, for the same names.
+        Parameters
+        ----------
+        values
+            Arrays (...) for the names of `Rig.coordinate_names`; ropes may be left out.
+        rates
+            Their rates, for the same names.
         """
         place, speed = self._encoders(values, rates)
         error = np.asarray(self.rest.drive_positions) - place

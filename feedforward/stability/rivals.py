@@ -6,12 +6,10 @@ energy is less than at all of them the load comes to rest at the set point (K th
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import root
 
+from ...models.types import Array
 from .energy import Regulator
-
-Array = NDArray[np.float64]
 
 STEP = 1e-4
 """Of the differences, as a share of the rig's size."""

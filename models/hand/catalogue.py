@@ -92,8 +92,10 @@ def ball_between_oblique_plates(
 ) -> Hand:
     """A ball between plates of which the upper one is tilted by `tilt` [rad] (K example 3).
 
-    Raises:
-        RigError: the plates are parallel, or the upper one does not face the lower one.
+    Raises
+    ------
+    RigError
+        The plates are parallel, or the upper one does not face the lower one.
     """
     sizes = {"radius": radius, "mass": mass, "friction": friction, "plate_radius": plate_radius}
     lower = _one_plate(**sizes)
@@ -237,8 +239,10 @@ HAND_CATALOGUE: dict[str, Callable[..., Hand]] = {
 def full_hand_name(name: str) -> str:
     """The catalogue's name for a name that may be short or hyphenated ("two-finger").
 
-    Raises:
-        RigError: no hand of the catalogue is called so.
+    Raises
+    ------
+    RigError
+        No hand of the catalogue is called so.
     """
     plain = word("the name of a hand", name).replace("-", "_").lower()
     for known in HAND_CATALOGUE:
@@ -250,8 +254,10 @@ def full_hand_name(name: str) -> str:
 def make_hand(name: str, **overrides: Any) -> Hand:
     """A hand of the catalogue by name, with some of its numbers replaced.
 
-    Raises:
-        RigError: the name or an override is unknown, or a number is wrong.
+    Raises
+    ------
+    RigError
+        The name or an override is unknown, or a number is wrong.
     """
     full = full_hand_name(name)
     known = inspect.signature(HAND_CATALOGUE[full]).parameters
@@ -264,7 +270,9 @@ def make_hand(name: str, **overrides: Any) -> Hand:
 def default_hand_move(hand: Hand | str) -> HandMove:
     """The catalogue's move for a hand.
 
-    Raises:
-        RigError: no hand of the catalogue is called so.
+    Raises
+    ------
+    RigError
+        No hand of the catalogue is called so.
     """
     return HAND_MOVES[full_hand_name(hand.name if isinstance(hand, Hand) else hand)]

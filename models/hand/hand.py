@@ -39,8 +39,10 @@ def _positive(label: str, value: object, *, endless: bool = False) -> float:
 def unit(label: str, value: object) -> Vector:
     """The direction of a vector.
 
-    Raises:
-        RigError: it is not three finite numbers, or zero.
+    Raises
+    ------
+    RigError
+        It is not three finite numbers, or zero.
     """
     x, y, z = vector(label, value)
     length = math.hypot(x, y, z)
@@ -71,8 +73,10 @@ def _name(label: str, value: object) -> str:
 class HeldObject:
     """The manipulated object: a homogeneous sphere or disc unless `inertia` says otherwise.
 
-    Raises:
-        RigError: the shape is unknown, or a number is not positive.
+    Raises
+    ------
+    RigError
+        The shape is unknown, or a number is not positive.
     """
 
     shape: Literal["sphere", "disc"]
@@ -97,8 +101,10 @@ class HeldObject:
 class Plate:
     """A flat fingertip, round about its finger's position.
 
-    Raises:
-        RigError: the normal is zero, or the radius is not positive.
+    Raises
+    ------
+    RigError
+        The normal is zero, or the radius is not positive.
     """
 
     normal: Vector
@@ -116,8 +122,10 @@ class Plate:
 class Tip:
     """A spherical fingertip about its finger's position.
 
-    Raises:
-        RigError: a number is not positive, or the axes are not perpendicular.
+    Raises
+    ------
+    RigError
+        A number is not positive, or the axes are not perpendicular.
     """
 
     radius: float
@@ -144,8 +152,10 @@ class Tip:
 class Finger:
     """A finger that moves along slides and ends in a plate or a spherical tip.
 
-    Raises:
-        RigError: a field has a value that it cannot have.
+    Raises
+    ------
+    RigError
+        A field has a value that it cannot have.
     """
 
     name: str
@@ -182,8 +192,10 @@ class Finger:
 class Hand:
     """Fingers about an object, and where they hold it at home: upright at `position`.
 
-    Raises:
-        RigError: the parts do not fit together; the message names the finger.
+    Raises
+    ------
+    RigError
+        The parts do not fit together; the message names the finger.
     """
 
     name: str
@@ -243,8 +255,10 @@ class Hand:
     def finger(self, name: str) -> Finger:
         """A finger by its name.
 
-        Raises:
-            RigError: there is none of that name.
+        Raises
+        ------
+        RigError
+            There is none of that name.
         """
         if name not in self.finger_names:
             known = did_you_mean(name, self.finger_names)

@@ -7,12 +7,10 @@ For the resting hand only; `flatrig.feedforward.rolling` finds the forces of a m
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import ModelError
+from ..types import Array
 from .hand import Hand, Tip
-
-Array = NDArray[np.float64]
 
 SQUEEZE = 5.0
 """Normal forces of a hand of several fingers at home, over the object's weight."""
@@ -34,8 +32,10 @@ def nearest_forces(hand: Hand, contacts: Array, wrench: Array, squeeze: float) -
 
     `wrench` (6,) is the force and the torque over the radius that the object needs.
 
-    Raises:
-        ModelError: no contact forces have that sum.
+    Raises
+    ------
+    ModelError
+        No contact forces have that sum.
     """
     to_object = grasp_map(contacts)
     plain = -squeeze * contacts.ravel()
@@ -53,8 +53,10 @@ def holding_forces(hand: Hand, squeeze: float | None = None) -> Array:
     `squeeze` is the normal force of each finger that they are nearest to [N]; None takes five
     times the object's weight for several fingers, 0 for a single one.
 
-    Raises:
-        ModelError: they do not hold the object, or need more friction than there is.
+    Raises
+    ------
+    ModelError
+        They do not hold the object, or need more friction than there is.
     """
     gravity, contacts = np.array(hand.gravity), np.array([f.contact for f in hand.fingers])
     weight = hand.held.mass * float(np.linalg.norm(gravity))

@@ -34,8 +34,10 @@ class HandMove:
     Orientations are RPY angles (phi, theta, psi), Rz(phi) Ry(theta) Rx(psi) (K 2.15), or the one
     angle of a planar hand, positive from x to z.
 
-    Raises:
-        RigError: a field has a value that it cannot have.
+    Raises
+    ------
+    RigError
+        A field has a value that it cannot have.
     """
 
     goal: tuple[float, ...]

@@ -7,11 +7,9 @@ foot is where their line meets the frame's axis, or else a little below the lowe
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..rig.rig import WORLD, Anchor, Rig
-
-Array = NDArray[np.float64]
+from ..types import Array
 
 IN_LINE = 0.02
 """How far from their line winches may be, over its length."""

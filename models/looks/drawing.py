@@ -9,12 +9,12 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..rig.rig import Anchor, Rail
+from ..types import Array
 from .scene import Sizes
 
-Array = NDArray[np.float64]
 Ends = tuple[ArrayLike, ArrayLike]
 
 

@@ -9,12 +9,10 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ..hand.hand import Finger, Hand, Plate, Tip
+from ..types import Array
 from . import scene as looks
-
-Array = NDArray[np.float64]
 
 TINTS = ((0.16, 0.38, 0.66), (0.93, 0.58, 0.12), (0.22, 0.55, 0.36), (0.55, 0.30, 0.60))
 """Colours of fingers, in turn."""

@@ -94,8 +94,10 @@ def draw(
 ) -> Image:
     """One picture of the state in `data`, shape (height, width, 3).
 
-    Raises:
-        ModelError: the model has no such camera.
+    Raises
+    ------
+    ModelError
+        The model has no such camera.
     """
     if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_CAMERA.value, camera) < 0:
         known = [model.camera(index).name for index in range(model.ncam)]
@@ -111,9 +113,12 @@ def draw(
 def renderer(model: mujoco.MjModel, width: int = 640, height: int = 480) -> mujoco.Renderer:
     """An offscreen `mujoco.Renderer` on whatever works here; close it, or use it in a `with`.
 
-    Raises:
-        ModelError: nothing works; says what to install.
-        OptionError: the size is not between 1 and the model's offscreen buffer.
+    Raises
+    ------
+    ModelError
+        Nothing works; says what to install.
+    OptionError
+        The size is not between 1 and the model's offscreen buffer.
     """
     room = model.vis.global_
     if not (0 < width <= room.offwidth and 0 < height <= room.offheight):
@@ -135,8 +140,10 @@ def renderer(model: mujoco.MjModel, width: int = 640, height: int = 480) -> mujo
 def backend() -> str:
     """Name of the OpenGL backend that works here: MUJOCO_GL if set, else egl or osmesa.
 
-    Raises:
-        ModelError: none works.
+    Raises
+    ------
+    ModelError
+        None works.
     """
     chosen = os.environ.get("MUJOCO_GL", "").lower().strip()
     if chosen or sys.platform != "linux":
@@ -153,10 +160,13 @@ def backend() -> str:
 def save_animation(path: str | Path, images: Iterable[Image], fps: float = 25.0) -> Path:
     """Write pictures as GIF or, where imageio-ffmpeg is installed, MP4, by the file's ending.
 
-    Raises:
-        OptionError: the ending is another one, imageio-ffmpeg is missing, there is no picture, or
-            the rate is out of range.
-        OutputError: the file cannot be written.
+    Raises
+    ------
+    OptionError
+        The ending is another one, imageio-ffmpeg is missing, there is no picture, or
+        the rate is out of range.
+    OutputError
+        The file cannot be written.
     """
     path = Path(path)
     writers = {".gif": _write_gif, ".mp4": _write_mp4}

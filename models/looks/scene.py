@@ -8,12 +8,10 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ..rig.rig import Rail, Rig
+from ..types import Array
 from . import booms
-
-Array = NDArray[np.float64]
 
 COLOURS: dict[str, tuple[float, float, float]] = {
     "structure": (0.95, 0.68, 0.10),

@@ -8,14 +8,12 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..rig.rig import Anchor, Frame, Rail
+from ..types import Array
 from .booms import Boom
 from .drawing import Painter, across_of, beam, up_of
 from .scene import Sizes
-
-Array = NDArray[np.float64]
 
 RING, LANTERN, DECK = 0.5, 0.9, 0.8
 """Where a tower ends above its frame's origin, and how far below if winches stand in its head, or

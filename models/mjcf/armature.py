@@ -13,11 +13,9 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import ModelError
-
-Array = NDArray[np.float64]
+from ..types import Array
 
 TOLERANCE = 1e-10
 """Largest entry of the mass matrix's error over its largest entry; sound models have 1e-15."""
@@ -28,8 +26,10 @@ RANDOM_STATES = 8
 def check(model: mujoco.MjModel) -> None:
     """Refuse a model that drops part of a tendon's armature.
 
-    Raises:
-        ModelError: it does; names the tendon and the joints.
+    Raises
+    ------
+    ModelError
+        It does; names the tendon and the joints.
     """
     check_structure(model)
     check_numbers(model)
@@ -38,8 +38,10 @@ def check(model: mujoco.MjModel) -> None:
 def check_structure(model: mujoco.MjModel) -> None:
     """Every two degrees of freedom on which a tendon with armature depends must be on one chain.
 
-    Raises:
-        ModelError: two are not.
+    Raises
+    ------
+    ModelError
+        Two are not.
     """
     for tendon in np.flatnonzero(model.tendon_armature):
         for low, high in combinations(sorted(_tendon_dofs(model, int(tendon))), 2):
@@ -50,8 +52,10 @@ def check_structure(model: mujoco.MjModel) -> None:
 def check_numbers(model: mujoco.MjModel) -> None:
     """The mass matrix must be the one without armature + sum of a J'J (keyframes, random states).
 
-    Raises:
-        ModelError: it is not.
+    Raises
+    ------
+    ModelError
+        It is not.
     """
     bare = copy.copy(model)
     bare.tendon_armature[:] = 0.0

@@ -26,8 +26,10 @@ def xml(rig: Rig) -> str:
 def export(folder: str | Path = FOLDER) -> list[Path]:
     """Write the scene of every rig of the catalogue, with its default numbers, to NAME.xml.
 
-    Raises:
-        OutputError: the folder cannot be written to.
+    Raises
+    ------
+    OutputError
+        The folder cannot be written to.
     """
     paths = []
     for name, build in CATALOGUE.items():

@@ -19,10 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..hand.hand import Hand, Tip
+from ..types import Array
 from .hand_model import OBJECT
 from .hand_state import model_of
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,8 +60,10 @@ class Contacts:
 def contacts(hand: Hand, model: mujoco.MjModel, data: mujoco.MjData) -> Contacts:
     """The contacts in `data`, after `mj_step` or `mj_forward`.
 
-    Raises:
-        ModelError: the model is not this hand's.
+    Raises
+    ------
+    ModelError
+        The model is not this hand's.
     """
     return ContactLog(hand, model).look(data)
 
@@ -70,8 +71,10 @@ def contacts(hand: Hand, model: mujoco.MjModel, data: mujoco.MjData) -> Contacts
 class ContactLog:
     """Sums what happens at the contacts over a run.
 
-    Raises:
-        ModelError: the model is not this hand's.
+    Raises
+    ------
+    ModelError
+        The model is not this hand's.
     """
 
     def __init__(self, hand: Hand, model: mujoco.MjModel) -> None:

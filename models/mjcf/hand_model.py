@@ -27,12 +27,12 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import ModelError
 from ..hand.hand import Finger, Hand, Plate, Tip
 from ..hand.holding import holding_forces, motor_forces
 from ..looks import hand_looks
+from ..types import Array
 from .contact_settings import CONES, MUJOCO_DEFAULTS, RECOMMENDED, ContactSettings
 from .rig_model import INTEGRATORS
 
@@ -46,8 +46,6 @@ __all__ = [
     "resting_depth",
     "turning_tip",
 ]
-
-Array = NDArray[np.float64]
 
 OBJECT = "object"
 """Name of the object's body, joint and geom."""

@@ -18,9 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import ModelError
 from ..hand.hand import Hand, Tip
+from ..types import Array
 from .hand_model import finger_home, resting_depth, turning_tip
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
@@ -28,8 +28,10 @@ Indices = NDArray[np.int64]
 def model_of(hand: Hand) -> Iterator[None]:
     """Look names up that a hand's model has.
 
-    Raises:
-        ModelError: one is missing, so the model is not this hand's.
+    Raises
+    ------
+    ModelError
+        One is missing, so the model is not this hand's.
     """
     try:
         yield
@@ -73,8 +75,10 @@ class HandIndex:
     def of(cls, hand: Hand, model: mujoco.MjModel) -> "HandIndex":
         """Find them by their names.
 
-        Raises:
-            ModelError: the model is not this hand's.
+        Raises
+        ------
+        ModelError
+            The model is not this hand's.
         """
         with model_of(hand):
             return cls._found(hand, model)

@@ -26,13 +26,13 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import ModelError, did_you_mean
 from ..looks import dressing
 from ..looks import scene as looks
 from ..rig.chain import Link, Part, links
 from ..rig.rig import WORLD, Frame, Platform, Rig, Trolley
+from ..types import Array
 from . import rigging, spools
 from .armature import check, tendon_jacobian
 from .rig_state import State, coordinates, joint_state, paid_out, points, tensions
@@ -51,8 +51,6 @@ __all__ = [
     "spec",
     "tensions",
 ]
-
-Array = NDArray[np.float64]
 
 INTEGRATORS = {
     name.removeprefix("mjINT_"): value for name, value in mujoco.mjtIntegrator.__members__.items()

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import ModelError
 from ..rig.chain import Link, joint_names, links
@@ -21,9 +21,8 @@ from ..rig.lengths import rope_lengths
 from ..rig.lengths import spans as spans
 from ..rig.rig import Frame, Load, Platform, Rig, Trolley, Vector
 from ..rig.turning_axes import carry, turn
+from ..types import Array
 from .ropes import reach, stretches
-
-Array = NDArray[np.float64]
 
 
 class HasState(Protocol):
@@ -54,7 +53,8 @@ def joint_state(
 ) -> State:
     """Joint positions and velocities of the model where the rig's coordinates have these values.
 
-    Parameters:
+    Parameters
+    ----------
         rig: the description.
         model: its MuJoCo model.
         coordinates: positions [m, rad] of all frames, trolleys, loads and platforms by coordinate
@@ -65,9 +65,11 @@ def joint_state(
         tensions: by which ropes that can stretch are stretched, and stay so, (N, ropes) or one
             number [N].
 
-    Raises:
-        ModelError: a coordinate is missing, unknown or not finite, shapes do not match, or the
-            model is of another rig.
+    Raises
+    ------
+    ModelError
+        A coordinate is missing, unknown or not finite, shapes do not match, or the
+        model is of another rig.
     """
     _same(rig, model)
     motion = gather(rig, coordinates, rates or {})
@@ -145,14 +147,17 @@ def points(
 def coordinates(rig: Rig, model: Any, state: HasState) -> tuple[dict[str, Array], dict[str, Array]]:
     """Values and rates of all the rig's coordinates, each (N,), by `rig.coordinate_names`.
 
-    Parameters:
+    Parameters
+    ----------
         rig: the description.
         model: its MuJoCo model.
         state: anything with `qpos` (N, nq) and `qvel` (N, nv): a `State`, mujoco.MjData,
             mujoco.batch.Batch.
 
-    Raises:
-        ModelError: the model is of another rig.
+    Raises
+    ------
+    ModelError
+        The model is of another rig.
     """
     _same(rig, model)
     motion = points(rig, state.qpos, state.qvel)
@@ -182,8 +187,10 @@ def paid_out(
 
     A rigid rope's is the length of its way; arguments as of `points`.
 
-    Raises:
-        ModelError: a spool has paid out more than it holds, and the model is no longer true.
+    Raises
+    ------
+    ModelError
+        A spool has paid out more than it holds, and the model is no longer true.
     """
     given = [qpos, qvel] if qacc is None else [qpos, qvel, qacc]
     joints = np.stack([np.asarray(value, dtype=float) for value in given])
@@ -215,7 +222,8 @@ def tensions(
     winch's torque u and the force F of friction along w (as MuJoCo has it: negative while the winch
     pays out).  True of rigid, elastic and slack ropes alike.
 
-    Parameters:
+    Parameters
+    ----------
         rig: the description.
         qpos, qvel, qacc: joint positions, velocities and accelerations, (N, nv).
         ctrl: inputs, (N, drives), in the order of `rig.drives`.

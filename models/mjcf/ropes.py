@@ -25,12 +25,11 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import ModelError, did_you_mean
 from ..rig.rig import Rig, Rope
-
-Array = NDArray[np.float64]
+from ..types import Array
 
 KINDS = ("rigid", "elastic", "slack")
 """What ropes may be."""
@@ -52,8 +51,10 @@ PerRope = float | Mapping[str, float]
 class Ropes:
     """The ropes of a model.
 
-    Raises:
-        ModelError: an option is wrong or does not go with another.
+    Raises
+    ------
+    ModelError
+        An option is wrong or does not go with another.
     """
 
     kind: str = "rigid"
@@ -89,8 +90,10 @@ class Ropes:
     def spring(self, rig: Rig, rope: Rope) -> float:
         """Stiffness k of a rope [N/m]; 0 where a limit holds it.
 
-        Raises:
-            ModelError: ropes are given by name, but not this one.
+        Raises
+        ------
+        ModelError
+            Ropes are given by name, but not this one.
         """
         if self.stiffness is not None:
             return _of(self.stiffness, "stiffness", rope)
@@ -111,8 +114,10 @@ class Ropes:
 def chosen(ropes: str | Ropes, rig: Rig) -> Ropes:
     """The ropes that are meant, by a word or in full.
 
-    Raises:
-        ModelError: there are none of that kind, or names are not those of the rig's ropes.
+    Raises
+    ------
+    ModelError
+        There are none of that kind, or names are not those of the rig's ropes.
     """
     found = ropes if isinstance(ropes, Ropes) else Ropes(ropes)
     for option in (found.stiffness, found.ea, found.damping, found.damping_ratio):

@@ -3,12 +3,11 @@
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import ModelError
+from ..types import Array
 from .rig_state import State
-
-Array = NDArray[np.float64]
 
 LOG = "MUJOCO_LOG.TXT"
 """MuJoCo's log where nobody has asked for another."""

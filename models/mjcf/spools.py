@@ -13,15 +13,13 @@ has no entry between them: a spool is a tree of its own.
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import ModelError
 from ..rig.rig import Rig, Rope
+from ..types import Array
 from .armature import tendon_jacobian
 from .rigging import lay, tidy
 from .ropes import Ropes, home_length, reach, spool, stiffness, stretch_of
-
-Array = NDArray[np.float64]
 
 BODY_MASS = 1e-12
 """Of a spool besides its armature [kg]; MuJoCo needs some on every body."""
@@ -36,8 +34,10 @@ IMPEDANCE = 0.9999
 def add(scene: mujoco.MjSpec, rig: Rig, ropes: Ropes) -> list[float]:
     """Add every rope with its spool; returns what each spool has paid out, nothing stretched [m].
 
-    Raises:
-        ModelError: a winch has no inertia.
+    Raises
+    ------
+    ModelError
+        A winch has no inertia.
     """
     return [_add(scene, rig, rope, ropes) for rope in rig.ropes]
 

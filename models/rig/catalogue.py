@@ -37,8 +37,10 @@ CATALOGUE: dict[str, Callable[..., Rig]] = {
 def full_name(name: str) -> str:
     """The catalogue's name for a name that may be short or hyphenated ("overhead", "navy-2d").
 
-    Raises:
-        RigError: no rig of the catalogue is called so.
+    Raises
+    ------
+    RigError
+        No rig of the catalogue is called so.
     """
     plain = word("the name of a rig", name).replace("-", "_").lower()
     for known in CATALOGUE:
@@ -50,8 +52,10 @@ def full_name(name: str) -> str:
 def make(name: str, **overrides: Any) -> Rig:
     """A rig of the catalogue by name, with some of its numbers replaced.
 
-    Raises:
-        RigError: the name or an override is unknown, or a number is wrong.
+    Raises
+    ------
+    RigError
+        The name or an override is unknown, or a number is wrong.
     """
     build = CATALOGUE[full_name(name)]
     known = inspect.signature(build).parameters
@@ -64,8 +68,10 @@ def make(name: str, **overrides: Any) -> Rig:
 def default_move(rig: Rig | str) -> Move:
     """A move that a rig of the catalogue can make.
 
-    Raises:
-        RigError: no rig of the catalogue is called so.
+    Raises
+    ------
+    RigError
+        No rig of the catalogue is called so.
     """
     name = full_name(rig.name if isinstance(rig, Rig) else rig)
     return (MASSLESS_MOVES if _massless(name, rig) else MOVES)[name]
@@ -74,8 +80,10 @@ def default_move(rig: Rig | str) -> Move:
 def printed_move(rig: Rig | str) -> Move:
     """The source's own move of a rig of the catalogue that cannot make it.
 
-    Raises:
-        RigError: no rig of the catalogue is called so, or its printed moves can be made.
+    Raises
+    ------
+    RigError
+        No rig of the catalogue is called so, or its printed moves can be made.
     """
     name = full_name(rig.name if isinstance(rig, Rig) else rig)
     moves = PRINTED_MASSLESS_MOVES if _massless(name, rig) else PRINTED_MOVES

@@ -52,8 +52,10 @@ class Link:
 def links(rig: Rig) -> tuple[Link, ...]:
     """The bodies of a rig's model, each after its parent, in the order of MuJoCo's bodies.
 
-    Raises:
-        ModelError: ropes tie together what cannot sit on one chain.
+    Raises
+    ------
+    ModelError
+        Ropes tie together what cannot sit on one chain.
     """
     components = _components(rig)
     carriers = [_carrier(rig, members) for members in components]

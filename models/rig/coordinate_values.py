@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import ModelError, did_you_mean
+from ..types import Array
 from .rig import Rig
-
-Array = NDArray[np.float64]
 
 
 def gather(

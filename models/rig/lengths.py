@@ -7,11 +7,9 @@ and, where it is known, acceleration.  NumPy only.
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..types import Array
 from .rig import Rig
-
-Array = NDArray[np.float64]
 
 
 def spans(rig: Rig, motion: Mapping[str, Array]) -> dict[str, Array]:

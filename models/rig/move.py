@@ -13,8 +13,10 @@ PROFILES = ("polynomial", "three_phase", "sampled")
 class Move:
     """From rest at `start` to rest at `goal`; `feedforward.from_move` makes a reference of it.
 
-    Raises:
-        PathError: a value is wrong.
+    Raises
+    ------
+    PathError
+        A value is wrong.
     """
 
     start: tuple[float, ...] = ()

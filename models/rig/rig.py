@@ -65,8 +65,10 @@ class Rig:
 
     Parameters are checked on construction.
 
-    Raises:
-        RigError: a value or a name is wrong; the message says which and what would be right.
+    Raises
+    ------
+    RigError
+        A value or a name is wrong; the message says which and what would be right.
     """
 
     name: str
@@ -148,16 +150,20 @@ class Rig:
     def frame(self, name: str) -> Frame | None:
         """The frame of that name; None for the world.
 
-        Raises:
-            RigError: there is none.
+        Raises
+        ------
+        RigError
+            There is none.
         """
         return None if name == WORLD else _named("frame", self.frames, name)
 
     def rail(self, name: str) -> Rail:
         """The rail of that name.
 
-        Raises:
-            RigError: there is none.
+        Raises
+        ------
+        RigError
+            There is none.
         """
         return _named("rail", self.rails, name)
 

@@ -45,9 +45,12 @@ _PLAIN = ("name", "dimensions", "gravity", "outputs", "home")
 def load(path: str | Path) -> tuple[Rig, Move | None]:
     """Read a rig and, if the file has one, its move; a catalogue rig brings its own move.
 
-    Raises:
-        RigError: the file cannot be read, or what it describes is not a rig.
-        PathError: the move is wrong.
+    Raises
+    ------
+    RigError
+        The file cannot be read, or what it describes is not a rig.
+    PathError
+        The move is wrong.
     """
     path = Path(path)
     try:
@@ -63,8 +66,10 @@ def load(path: str | Path) -> tuple[Rig, Move | None]:
 def load_move(path: str | Path) -> Move:
     """Read the move of a file, which may hold nothing but its `[move]`.
 
-    Raises:
-        PathError: the file cannot be read, or has no move.
+    Raises
+    ------
+    PathError
+        The file cannot be read, or has no move.
     """
     path = Path(path)
     try:
@@ -130,8 +135,10 @@ def dumps(rig: Rig, move: Move | None = None) -> str:
 def dump(path: str | Path, rig: Rig, move: Move | None = None) -> None:
     """Write a rig, and a move if given, to a file; `samples` are named from its folder.
 
-    Raises:
-        OutputError: the file cannot be written.
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
     """
     if move is not None and move.samples:
         samples = os.path.relpath(move.samples, Path(path).parent)

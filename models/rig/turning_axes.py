@@ -5,11 +5,9 @@ where needed, acceleration, each (N, 3); so is the motion of an angle, each (N,)
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..types import Array
 from ..values import Vector
-
-Array = NDArray[np.float64]
 
 
 def turn(motion: Array, angle: Array) -> Array:

@@ -16,8 +16,10 @@ if TYPE_CHECKING:
 def validate(rig: "Rig") -> None:
     """Check a rig whole.
 
-    Raises:
-        RigError: what is wrong, in one line.
+    Raises
+    ------
+    RigError
+        What is wrong, in one line.
     """
     if rig.dimensions not in (2, 3):
         raise RigError(f"rig {rig.name}: dimensions is {rig.dimensions!r}, it must be 2 or 3")

@@ -10,18 +10,19 @@ from math import dist
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ..mjcf.simulate import run
+from ..types import Array
 from . import mechanism as squeezer
-
-Array = NDArray[np.float64]
 
 
 def final_angles(timestep: float, integrator: str = "RK4") -> Array:
     """The seven angles at t = 0.03 s, in the order of `squeezer.ANGLES`, shape (7,) [rad].
 
-    Raises: ModelError: the simulation breaks down.
+    Raises
+    ------
+    ModelError
+        The simulation breaks down.
     """
     model = mujoco.MjModel.from_xml_string(squeezer.scene(timestep, integrator))
     start = model.key("start")

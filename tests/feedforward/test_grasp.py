@@ -6,7 +6,6 @@ from math import pi
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.linalg import null_space
 from scipy.optimize import minimize
 
@@ -22,9 +21,9 @@ from flatrig.feedforward.rolling import (
     wrench,
 )
 from flatrig.models import Hand, HandMove, OptionError, PathError
+from flatrig.models.types import Array
 
 pytest.importorskip("clarabel")
-Array = NDArray[np.float64]
 
 
 def moved(hand: Hand, move: HandMove | None = None, samples: int = 101) -> HandMotion:

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from flatrig import feedforward, models
 from flatrig.feedforward import integrators, multibody
@@ -35,8 +34,7 @@ from flatrig.feedforward.multibody import (
     System,
 )
 from flatrig.models.errors import OptionError, RigError
-
-Array = NDArray[np.float64]
+from flatrig.models.types import Array
 
 
 def named(scheme: Scheme) -> str:

@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
@@ -24,8 +23,7 @@ from flatrig.feedforward.multibody import (
 )
 from flatrig.models.errors import RigError
 from flatrig.models.rig.trolley_cranes import rotary_crane_small
-
-Array = NDArray[np.float64]
+from flatrig.models.types import Array
 
 
 def pendulum(angle: float, effort: float = 0.0) -> Mechanism:

@@ -4,15 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from flatrig import models
 from flatrig.feedforward.rolling import Rolling, classify, constraint_matrix, table
 from flatrig.feedforward.rolling.classification import random_state
 from flatrig.feedforward.rolling.kinematics import spin_direction
 from flatrig.feedforward.series.products import rotation_of
-
-Array = NDArray[np.float64]
+from flatrig.models.types import Array
 
 R = 0.05
 HANDS = {

@@ -4,7 +4,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from flatrig.feedforward import multibody
 from flatrig.feedforward.integrators import (
@@ -19,8 +18,7 @@ from flatrig.feedforward.integrators import (
 )
 from flatrig.models.squeezer import closing as squeezer_run
 from flatrig.models.squeezer import mechanism as data
-
-Array = NDArray[np.float64]
+from flatrig.models.types import Array
 
 AGREEMENT = 1e-10
 """Of our converged methods in beta [rad]."""

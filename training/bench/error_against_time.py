@@ -78,8 +78,10 @@ def main(command: options.Bench) -> None:
 def units(command: options.Bench, picture: bool = False) -> list[Unit]:
     """What to run; peers unless a formulation is chosen, or if they are among the schemes.
 
-    Raises:
-        RigError, OptionError: a name means nothing.
+    Raises
+    ------
+    RigError, OptionError
+        A name means nothing.
     """
     wanted = command.rig or ((ONE_RIG,) if picture else ())
     names = {full_name(name) for name in wanted}
@@ -118,8 +120,10 @@ def measure(
 ) -> list[Run]:
     """Runs of the units, in their order; each unit leaves a file in the folder `parts`.
 
-    Raises:
-        OutputError: the folder cannot be written to.
+    Raises
+    ------
+    OutputError
+        The folder cannot be written to.
     """
     done: dict[Unit, list[Run]] = {}
     if parts is not None and resume:

@@ -21,7 +21,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import Chebyshev
-from numpy.typing import NDArray
 
 from ...feedforward import Reference
 from ...feedforward.dae import formulation
@@ -33,8 +32,7 @@ from ...feedforward.dae.start import at_rest, start_angles
 from ...feedforward.exact.motion import Motion
 from ...feedforward.exact.structure import analyse
 from ...models import Rig
-
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 TIMES = {1: "minimal extension", 2: "minimal extension, twice", 3: "minimal extension, three times"}
 MOST_STEPS = 20_000
@@ -229,8 +227,10 @@ def _symbols(problem: Problem, casadi: Any, time: Any, z: Any) -> Any:
 def _polynomial(nodes: Array, values: Array, casadi: Any, time: Any) -> Any:
     """A Chebyshev series through values, by Clenshaw's recurrence.
 
-    Raises:
-        PeerError: the values are not those of a polynomial.
+    Raises
+    ------
+    PeerError
+        The values are not those of a polynomial.
     """
     size = float(np.abs(values).max())
     if size == 0.0:

@@ -66,8 +66,10 @@ class Case:
     def roll(self, settings: ContactSettings, seconds: float) -> HandRun:
         """Go along the motion.
 
-        Raises:
-            ModelError: the simulation breaks down.
+        Raises
+        ------
+        ModelError
+            The simulation breaks down.
         """
         model = compile_hand(self.plan.hand, settings, visuals=False)
         return run_track(model, Track.of(self.plan, settings.timestep, seconds))
@@ -75,8 +77,10 @@ class Case:
     def hold(self, settings: ContactSettings, seconds: float) -> HandRun:
         """Hold the first pose.
 
-        Raises:
-            ModelError: the simulation breaks down.
+        Raises
+        ------
+        ModelError
+            The simulation breaks down.
         """
         model = compile_hand(self.plan.hand, settings, visuals=False)
         return run_track(model, Track.still(self.plan, settings.timestep, seconds))
@@ -96,8 +100,10 @@ def main(asked: options.Hands) -> None:
 def film(name: str, path: str) -> None:
     """Film a hand's motion there and back.
 
-    Raises:
-        OptionError: no hand is named, or the path's ending is another one than .gif or .mp4.
+    Raises
+    ------
+    OptionError
+        No hand is named, or the path's ending is another one than .gif or .mp4.
     """
     if not name:
         raise OptionError("--output films one hand, name it; without --output tables are printed")

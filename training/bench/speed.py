@@ -13,7 +13,6 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 from rich.text import Text
 
@@ -23,11 +22,10 @@ from ...feedforward.exact.branch import approach, branch_of
 from ...feedforward.exact.servo import servo_of
 from ...models import Rig, default_move
 from ...models.errors import OptionError
+from ...models.types import Array
 from .. import options
 from ..console import console, table, warning
 from .accuracy import accuracy_table
-
-Array = NDArray[np.float64]
 
 SAMPLES = 3001
 MEMORY_LIMIT = 200.0

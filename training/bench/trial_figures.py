@@ -38,8 +38,10 @@ LABELS = {
 def case(path: Path, runs: Sequence[Run], name: str) -> None:
     """All formulations of a rig, one in each row, and the peers.
 
-    Raises:
-        OutputError: the file cannot be written.
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
     """
     mine = [run for run in runs if run.case == name and run.scheme]
     groups = {f: [r for r in mine if r.formulation == f] for f in dae.FORMULATIONS}
@@ -79,8 +81,10 @@ def case(path: Path, runs: Sequence[Run], name: str) -> None:
 def one(path: Path, runs: Sequence[Run], name: str, formulation: str) -> None:
     """The inputs of one rig against wall time: one formulation, the peers, the exact solution.
 
-    Raises:
-        OutputError: the file cannot be written.
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
     """
     mine = [run for run in runs if run.case == name and run.scheme]
     drawn, ax = plots.figure(8.2, 4.6)

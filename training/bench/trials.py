@@ -17,15 +17,13 @@ from statistics import median
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...feedforward import Motion, Reference, dae, from_move, solve
 from ...models import CATALOGUE, Move, Rig, default_move, make
 from ...models.rig.moves import MASSLESS_MOVES
+from ...models.types import Array
 from .peers import PEERS, Peer, PeerError, Problem
 from .watchdog import Stopped, limited, quiet
-
-Array = NDArray[np.float64]
 
 ORDER, STRETCH = 10, 1.5
 COUNTS = (80, 160, 320, 640, 1280)
@@ -154,8 +152,10 @@ def errors(found: Motion, truth: Motion) -> tuple[float, float]:
 def callable_of(trial: Trial, times: Array | None = None) -> Callable[[], Motion]:
     """What makes a trial's motion, prepared; the exact one at given times.
 
-    Raises:
-        PeerError: a peer does not take the problem; the call, that it gave up.
+    Raises
+    ------
+    PeerError
+        A peer does not take the problem; the call, that it gave up.
     """
     case = CASES[trial.case]
     if trial.scheme == EXACT:

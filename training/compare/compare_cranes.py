@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.progress import track
 
 from ... import feedforward
@@ -20,13 +19,12 @@ from ...envs.crane.disturbances import Disturbances, Scenario, design
 from ...envs.crane.payloads import payloads
 from ...models import Move, Rig
 from ...models.errors import OptionError
+from ...models.types import Array
 from .. import options
 from ..console import console
 from ..look_up import is_hand
 from ..policy import Policy, shipped
 from .metrics import Metrics, Record, between, measure
-
-Array = NDArray[np.float64]
 
 EVALUATION_SEED = 2016_2001
 """Of the scenarios on which controllers are compared."""
@@ -83,12 +81,17 @@ class Runner:
     def drive(self, wrap: Callable[[Any], Any], policy: Policy | None = None) -> Record:
         """Run all scenarios to their end.
 
-        Args:
-            wrap: puts the controller around the environment.
-            policy: of the action that is left free, zero without one.
+        Parameters
+        ----------
+        wrap
+            Puts the controller around the environment.
+        policy
+            Of the action that is left free, zero without one.
 
-        Raises:
-            OptionError: the policy does not suit the environment.
+        Raises
+        ------
+        OptionError
+            The policy does not suit the environment.
         """
         task, num = self.task, len(self.scenarios)
         if policy is not None:

@@ -33,14 +33,13 @@ from ...envs.hand.observation import pose_error
 from ...models import Hand, HandMove
 from ...models.errors import OptionError
 from ...models.files import replacing, write_text
+from ...models.types import Array
 from .. import options
 from ..console import console, table, warning
 from ..describe.describe_hands import target
 from .compare_cranes import BASE, EVALUATION_SEED, RESIDUAL
 from .metrics import RESAMPLES, estimates
 from .report import make_folder
-
-Array = NDArray[np.float64]
 
 CLOSED = "FF + PD + pose"
 CONTROLLERS: dict[str, Callable[[Any], Any]] = {
@@ -205,8 +204,10 @@ def write(
 ) -> None:
     """Write scenarios.csv and summary.json.
 
-    Raises:
-        OutputError: a file cannot be written.
+    Raises
+    ------
+    OutputError
+        A file cannot be written.
     """
     settings = [item.name for item in fields(HandScenario)]
     with replacing(folder / "scenarios.csv") as beside, beside.open("w", newline="") as file:

@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 SETTLED = 0.05
 """The load has settled where its distance from the goal stays below this [m]."""
@@ -168,12 +168,18 @@ class Estimate:
 def paired_means(values: Array, seed: int = 0, resamples: int = RESAMPLES) -> Array:
     """Bootstrap means of several controllers over the same scenarios.
 
-    Args:
-        values: shape (controllers, N), scenario by scenario the same; NaN where there is none.
-        seed: of the resampling.
-        resamples: number R of resamples.
+    Parameters
+    ----------
+    values
+        Shape (controllers, N), scenario by scenario the same; NaN where there is none.
+    seed
+        Of the resampling.
+    resamples
+        Number R of resamples.
 
-    Returns:
+    Returns
+    -------
+    Array
         Shape (R, controllers); each row is the means over one resample of the scenarios, the
         same for all controllers, so that differences and ratios of columns are paired.
     """

@@ -37,8 +37,10 @@ TURN = {"turn": ("turned\nby [deg]", 180.0 / np.pi, 2)}
 def make_folder(folder: Path) -> None:
     """Make a result folder, or say at once that it cannot be written.
 
-    Raises:
-        OutputError: it cannot.
+    Raises
+    ------
+    OutputError
+        It cannot.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -143,8 +145,10 @@ def _plain(value: Estimate) -> dict[str, float | None]:
 def write(folder: Path, rig: Rig, runs: Sequence["Run"], scenarios: Sequence[Scenario]) -> None:
     """Write scenarios.csv, summary.json and figure.png.
 
-    Raises:
-        OutputError: a file cannot be written.
+    Raises
+    ------
+    OutputError
+        A file cannot be written.
     """
     from .. import plots
     from .compare_cranes import BASE

@@ -140,8 +140,10 @@ def write_solution(command: options.Solve) -> None:
 def sample_times(duration: float, rate: float, most: int = MOST_SAMPLES) -> np.ndarray:
     """Instants from 0 to the end of a path, `rate` in a second, both ends included; (N,).
 
-    Raises:
-        OptionError: the rate is not a finite number > 0, or makes too many samples.
+    Raises
+    ------
+    OptionError
+        The rate is not a finite number > 0, or makes too many samples.
     """
     options.check_number("--rate", rate, unit="Hz")
     if duration * rate > most:

@@ -9,7 +9,6 @@ Forces inside the friction cones keep `MARGIN` of the friction and press with `P
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...feedforward.rolling import (
     ContactForces,
@@ -35,12 +34,11 @@ from ...models import (
 )
 from ...models.errors import OptionError, PathError
 from ...models.files import replacing
+from ...models.types import Array
 from .. import options
 from ..console import console, table, warning
 from ..look_up import assignments
 from .describe_cranes import sample_times
-
-Array = NDArray[np.float64]
 
 MARGIN = 0.2
 """Share of the friction that is kept in reserve."""
@@ -58,8 +56,10 @@ _RANGE = ("start", "end", "lowest", "highest")
 def target(command: options.RigOptions) -> tuple[Hand, HandMove]:
     """The hand and its move, with the changes made.
 
-    Raises:
-        FlatrigError: something names what does not exist, or has a value it cannot have.
+    Raises
+    ------
+    FlatrigError
+        Something names what does not exist, or has a value it cannot have.
     """
     for name in OF_CRANES:
         if getattr(command, name, None):

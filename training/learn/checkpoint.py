@@ -39,8 +39,10 @@ def write(folder: Path, model: "PPO", adapter: "Adapter", state: dict[str, Any])
 def read(folder: Path, model: "PPO", adapter: "Adapter") -> dict[str, Any]:
     """Restore what `write` wrote; returns its `state`.
 
-    Raises:
-        OptionError: the files are missing, damaged, or of another network.
+    Raises
+    ------
+    OptionError
+        The files are missing, damaged, or of another network.
     """
     try:
         held = json.loads((folder / f"{NAME}.json").read_text(encoding="utf-8"))

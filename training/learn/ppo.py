@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from stable_baselines3.common.callbacks import BaseCallback
@@ -31,8 +30,6 @@ from .train import (
     versions,
 )
 from .tutor import Tutor
-
-Array = NDArray[np.float64]
 
 
 class Training:

@@ -18,12 +18,11 @@ from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.vec_env import VecEnv
 from torch import nn
 
+from ...models.types import Array, Mask
 from ..policy import CLIP, Card, Policy
 from ..recall import Memory, Recall
 
-Array = NDArray[np.float64]
 Single = NDArray[np.float32]
-Mask = NDArray[np.bool_]
 
 
 class Adapter(VecEnv):

@@ -1,13 +1,11 @@
 """How the drives must move to move the load: the rig's static map, linearised along a path."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...feedforward import Reference, solve
 from ...feedforward.paths.reference import hold
 from ...models import Rig
-
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 POINTS = 17
 """Of the path at which the map is linearised; in between it is interpolated."""
@@ -18,12 +16,18 @@ STEP = 1e-3
 def drive_jacobian(rig: Rig, reference: Reference, times: Array) -> Array:
     """Derivatives of drive positions by outputs, at rest, along a reference.
 
-    Args:
-        rig: the description.
-        reference: path of its outputs.
-        times: [s], shape (N,).
+    Parameters
+    ----------
+    rig
+        The description.
+    reference
+        Path of its outputs.
+    times
+        [s], shape (N,).
 
-    Returns:
+    Returns
+    -------
+    Array
         Shape (N, drives, outputs), [1] or [rad/m].
     """
     instants = np.linspace(0.0, reference.duration, POINTS)

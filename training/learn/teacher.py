@@ -12,13 +12,11 @@ load mass leave behind.  It is what imitation starts from; what it says is only 
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...envs.crane.tuning import gains_of
 from ...feedforward import Reference
+from ...models.types import Array
 from .statics import drive_jacobian
-
-Array = NDArray[np.float64]
 
 HORIZONTAL = (1.0, 1.0, 0.0)
 """Weights of error [1], rate error [s] and integral [1/s] of horizontal outputs."""

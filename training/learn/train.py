@@ -105,8 +105,10 @@ def main(command: options.Train) -> None:
 def check(command: options.Train) -> None:
     """Refuse numbers that no run can have.
 
-    Raises:
-        OptionError: naming the option.
+    Raises
+    ------
+    OptionError
+        Naming the option.
     """
     for name in ("minutes", "steps", "envs", "threads", "evaluations"):
         value = getattr(command, name)
@@ -122,8 +124,10 @@ def check(command: options.Train) -> None:
 def check_extra() -> None:
     """Refuse to train without the packages for it.
 
-    Raises:
-        OptionError: naming the extra to install.
+    Raises
+    ------
+    OptionError
+        Naming the extra to install.
     """
     missing = [
         name for name in ("torch", "stable_baselines3") if not importlib.util.find_spec(name)
@@ -140,8 +144,10 @@ def begun(folder: Path, command: options.Train) -> tuple[options.Train, Settings
     An option that `command` leaves at its default is the run's own, the budget that of the last
     resumption.
 
-    Raises:
-        OptionError: there is no run, or `command` asks for another one.
+    Raises
+    ------
+    OptionError
+        There is no run, or `command` asks for another one.
     """
     config = folder / "config.json"
     if not (folder / "checkpoint.json").exists():
@@ -192,8 +198,10 @@ def _text(value: Any) -> str:
 def start(folder: Path) -> None:
     """Make the result folder; what a run that stopped before its first checkpoint left goes.
 
-    Raises:
-        OutputError: the folder cannot be written, or holds tables that are not of a run.
+    Raises
+    ------
+    OutputError
+        The folder cannot be written, or holds tables that are not of a run.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -217,8 +225,10 @@ def describe(
 ) -> None:
     """Write config.json: what runs, or with the `facts` of a run, that it goes on at `steps`.
 
-    Raises:
-        OutputError: it cannot be written.
+    Raises
+    ------
+    OutputError
+        It cannot be written.
     """
     if facts:
         later = {"command": command_line(), "from": steps}
@@ -256,8 +266,10 @@ def versions() -> dict[str, str]:
 def append_csv(path: Path, row: dict[str, Any]) -> None:
     """Add a row to a CSV, its header first.
 
-    Raises:
-        OutputError: it cannot be written.
+    Raises
+    ------
+    OutputError
+        It cannot be written.
     """
     new = not path.exists()
     try:

@@ -5,13 +5,10 @@ from typing import Any
 
 import gymnasium as gym
 import numpy as np
-from numpy.typing import NDArray
 
 from ...envs.crane.disturbances import Scenario
+from ...models.types import Array, Mask
 from .teacher import Teacher
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 REWARD = 0.1
 """Largest reward of one control period."""

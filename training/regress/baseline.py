@@ -82,8 +82,10 @@ def departures(
 def read(path: str | Path = FILE) -> tuple[dict[Key, float], str]:
     """Stored numbers, and the version of MuJoCo that made them.
 
-    Raises:
-        OptionError: there is no such file, or it is none.
+    Raises
+    ------
+    OptionError
+        There is no such file, or it is none.
     """
     try:
         first, *lines = Path(path).read_text(encoding="utf-8").splitlines()
@@ -108,8 +110,10 @@ def read(path: str | Path = FILE) -> tuple[dict[Key, float], str]:
 def write(path: str | Path, found: dict[Key, float]) -> None:
     """Store a run's numbers, those of other models in the file kept.
 
-    Raises:
-        OutputError: the file cannot be written.
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
     """
     models = {key[0] for key in found}
     kept = read(path)[0] if Path(path).exists() else {}

@@ -119,8 +119,10 @@ def main(command: options.Regress) -> int:
 def measure(names: Iterable[str], folder: Path, resume: bool = False) -> list[Row]:
     """All rows of these models; every model and time step leaves a file in `FOLDER/parts`.
 
-    Raises:
-        OutputError: the folder cannot be written to.
+    Raises
+    ------
+    OutputError
+        The folder cannot be written to.
     """
     units = [(name, step) for name in names for step in STEPS]
     rows: list[Row] = []
@@ -187,8 +189,10 @@ def _row(
 def write_rows(path: Path, rows: list[Row]) -> None:
     """Write all rows with their costs as CSV.
 
-    Raises:
-        OutputError: the file cannot be written.
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
     """
     columns = list(Row.__dataclass_fields__)
     lines = [

@@ -20,8 +20,10 @@ LEAST = 1e-15
 def draw(rows: "list[Row]", folder: Path) -> None:
     """Write both figures to a folder.
 
-    Raises:
-        OutputError: they cannot be written.
+    Raises
+    ------
+    OutputError
+        They cannot be written.
     """
     error = _panels(
         rows,

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 
 from ...feedforward.integrators import (
@@ -30,12 +29,11 @@ from ...models.files import write_text
 from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.rig_state import points
 from ...models.mjcf.simulate import run as simulate
+from ...models.types import Array
 from .. import console, plots
 from ..simulate.drift import DURATION, drift, free_motion
 from . import sheets
 from .work_precision import LOOKS
-
-Array = NDArray[np.float64]
 
 COUNTS = (50, 100, 200, 400)
 """Steps of the runs over 1 s."""

@@ -32,11 +32,11 @@ from ...models import (
     overhead_crane,
     rotary_crane,
 )
+from ...models.types import Array
 from .. import console
 from ..simulate.closed_loop import Course, closed_loop
 from . import kiss_crane, sheets
 
-Array = NDArray[np.float64]
 Columns = dict[str, Array]
 
 RUNS = 50
@@ -121,8 +121,10 @@ def initial_states(
 ) -> tuple[Columns, Columns]:
     """Values and rates, each (runs,) by name, with taut ropes and an energy below `rival`.
 
-    Raises:
-        OptionError: too few of the states drawn are such.
+    Raises
+    ------
+    OptionError
+        Too few of the states drawn are such.
     """
     draw = np.random.default_rng(seed)
     kept: list[tuple[Columns, Columns]] = []

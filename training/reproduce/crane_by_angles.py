@@ -8,12 +8,10 @@ the forces know its angle.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...feedforward.multibody.free_crane import DRUM_RADIUS, INERTIA, MASS
 from ...models.errors import OptionError
-
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 GRAVITY = 9.81
 TURNING = sum(INERTIA[name][2] for name in ("girder", "trolley", "winch"))
@@ -30,14 +28,23 @@ def run(
 ) -> tuple[Array, Array, Array]:
     """Times (N,), coordinates (N, 5) and rates (N, 5) of the crane let go (Y 2.90, 2.91).
 
-    Args:
-        place: of the trolley [m].
-        length: of the rope [m].
-        spin: of the girder [rad/s].
-        step: [s]
-        duration: [s]
+    Parameters
+    ----------
+    place
+        Of the trolley [m].
+    length
+        Of the rope [m].
+    spin
+        Of the girder [rad/s].
+    step
+        [s]
+    duration
+        [s]
 
-    Raises: OptionError: the step is too long for the iteration.
+    Raises
+    ------
+    OptionError
+        The step is too long for the iteration.
     """
     steps = round(duration / step)
     state = np.zeros((steps + 1, 10))

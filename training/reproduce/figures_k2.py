@@ -9,16 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 
 from ...feedforward.rolling import HandMotion, classify, plan_hand, replay, residuals
 from ...feedforward.rolling.without_spin import WithoutSpin, without_spin
 from ...models import Hand, Tip, default_hand_move, make_hand
+from ...models.types import Array
 from .. import console, plots
 from . import sheets
-
-Array = NDArray[np.float64]
 
 SAMPLES = 401
 SNAPSHOTS = 5

@@ -18,18 +18,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 
 from ...feedforward.rolling import ContactForces, HandMotion, in_cones, least_norm, plan_hand
 from ...models import PRINTED_HAND_MOVES, Hand, HandMove, Tip, default_hand_move, make_hand
 from ...models.errors import PathError
 from ...models.hand.hand import EVERY_WAY
+from ...models.types import Array
 from .. import console, plots
 from . import sheets
 from .figures_k2 import DARK, lines
-
-Array = NDArray[np.float64]
 
 SAMPLES = 401
 MARGIN = 0.2

@@ -8,15 +8,13 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 
 from ...feedforward import Motion, Regulator, hold, solve
+from ...models.types import Array
 from .. import console, plots
 from ..simulate.closed_loop import Course, closed_loop
 from . import kiss_crane, sheets
-
-Array = NDArray[np.float64]
 
 SETTLED = (0.01, 0.005)
 """Largest distances from the goal [m], a twentieth and a fortieth of the way."""

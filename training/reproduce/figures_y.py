@@ -9,19 +9,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 
 from ...feedforward import Motion, analyse, driven_unit, equations_of, from_move, solve
 from ...feedforward.dae import integrate
 from ...feedforward.paths.profiles import ThreePhase
 from ...feedforward.planning.feasibility import AsSmooth
+from ...models.types import Array
 from .. import console, plots
 from . import sheets, snapshots
 from .y_sheets import Case, Lines, Run, Snapshots
 from .y_sheets import sheets as all_sheets
-
-Array = NDArray[np.float64]
 
 SAMPLES = 2000
 """Of the exact solution, at least."""

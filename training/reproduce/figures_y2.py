@@ -10,17 +10,15 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 
 from ...feedforward.integrators import EnergyMomentum, integrate
 from ...feedforward.multibody import assemble, rotary_crane
 from ...feedforward.multibody.free_crane import DRUM_RADIUS
+from ...models.types import Array
 from .. import console, plots
 from . import crane_by_angles, sheets
 from .snapshots import FAINT, ROPE, STRUCTURE
-
-Array = NDArray[np.float64]
 
 ANGLES_PLACE, ANGLES_STEP = 1.5, 1e-4
 """Y 2.90, and the step of Y 2.7."""

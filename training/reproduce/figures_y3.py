@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 
 from ...feedforward.integrators import (
@@ -23,12 +22,11 @@ from ...feedforward.integrators import (
 )
 from ...feedforward.multibody import angles_of_squeezer, assemble, hinge_of_squeezer, squeezer
 from ...models.squeezer import mechanism as data
+from ...models.types import Array
 from .. import console, plots
 from . import sheets
 from .figures_y import EXACT
 from .snapshots import STRUCTURE
-
-Array = NDArray[np.float64]
 
 COARSE, FINE = 3e-4, 3e-5
 """The printed steps [s]."""

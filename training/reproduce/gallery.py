@@ -78,8 +78,10 @@ NOTES = {
 def write(path: Path, entries: Iterable[tuple[str, "Entry"]]) -> None:
     """Run entries, and write the page and its pictures.
 
-    Raises:
-        OutputError: a file cannot be written.
+    Raises
+    ------
+    OutputError
+        A file cannot be written.
     """
     parts = [INTRODUCTION]
     chosen = list(entries)

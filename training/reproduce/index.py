@@ -110,8 +110,10 @@ def main(command: options.Reproduce) -> None:
 def _chosen(name: str) -> list[str]:
     """Names of the entries that are meant.
 
-    Raises:
-        OptionError: there is none of that name.
+    Raises
+    ------
+    OptionError
+        There is none of that name.
     """
     if name.lower() == "all":
         return list(ENTRIES)

@@ -21,17 +21,15 @@ from pathlib import Path
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
-from numpy.typing import NDArray
 from rich.table import Table
 
 from ...feedforward import Regulator, hold, solve
 from ...models import Rope
 from ...models.friction import Friction
+from ...models.types import Array
 from .. import console, plots
 from ..simulate.closed_loop import closed_loop
 from . import kiss_crane, sheets
-
-Array = NDArray[np.float64]
 
 FRICTION = Friction(coulomb=0.08, viscous=0.5, static=0.12, stribeck_velocity=0.01)
 START, DURATION, TIMESTEP, EVERY = (-0.13, -0.42), 30.0, 5e-4, 20

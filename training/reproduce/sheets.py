@@ -5,12 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.files import replacing
+from ...models.types import Array
 from .. import plots
-
-Array = NDArray[np.float64]
 
 STYLES: tuple[dict[str, Any], ...] = (
     {"color": plots.COLOURS[4], "linestyle": (0, (5, 2)), "linewidth": 1.4},
@@ -28,8 +26,10 @@ def styles(count: int) -> Sequence[dict[str, Any]]:
 def write_csv(stem: Path, columns: dict[str, Array]) -> None:
     """Write columns (N,) by name to `STEM.csv`.
 
-    Raises:
-        OutputError: the file cannot be written.
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
     """
     with replacing(stem.with_name(f"{stem.name}.csv")) as beside:
         table = np.column_stack(list(columns.values()))
@@ -39,8 +39,10 @@ def write_csv(stem: Path, columns: dict[str, Array]) -> None:
 def save(stem: Path, figure: Any) -> None:
     """Write a figure to `STEM.png`.
 
-    Raises:
-        OutputError: the file cannot be written.
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
     """
     plots.save(figure, stem.with_name(f"{stem.name}.png"))
 

@@ -5,17 +5,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 
 from ...feedforward import Motion, equations_of, redundant
 from ...models import Load, Platform
 from ...models.rig.chain import pulleys
+from ...models.types import Array
 from .. import console, plots
 from . import sheets
 from .y_sheets import Snapshots
 
-Array = NDArray[np.float64]
 Places = dict[str, Array]
 
 INSTANTS = 6

@@ -16,7 +16,6 @@ from time import perf_counter
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 
 from ...feedforward.integrators import SCHEMES, Scheme, extrapolated, measured
@@ -25,10 +24,10 @@ from ...models.errors import ModelError
 from ...models.files import write_text
 from ...models.squeezer import mechanism as data
 from ...models.squeezer.closing import final_angles
+from ...models.types import Array
 from .. import console, plots
 from . import sheets
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 
 COUNTS = (100, 150, 200, 300, 400, 600, 800)

@@ -15,14 +15,13 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...feedforward import Motion, Regulator
 from ...models import Rig
 from ...models.errors import ModelError
 from ...models.mjcf import rig_model as mjcf
-
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 THREADS = 2
 NOW = int(mujoco.mjtStage.mjSTAGE_ACC)
@@ -66,20 +65,32 @@ def closed_loop(
 ) -> Course:
     """Run from N initial states.
 
-    Args:
-        regulator: the rig and its controller.
-        values: initial coordinates of frames, trolleys and loads by name, each (N,).
-        rates: their rates.
-        duration: of the run [s].
-        timestep: of the simulation [s].
-        every: steps from one sample to the next.
-        massless: mass that stands in for massless loads [kg], as in `models.compile`.
-        reference: to follow instead of resting at the set point (K 3.88), sampled in the middle of
-            every step; it is held over the step, so that inputs told at its end lag half a step.
-        each_step: told of model, batch and number of each step ahead; may add to `batch.ctrl`.
+    Parameters
+    ----------
+    regulator
+        The rig and its controller.
+    values
+        Initial coordinates of frames, trolleys and loads by name, each (N,).
+    rates
+        Their rates.
+    duration
+        Of the run [s].
+    timestep
+        Of the simulation [s].
+    every
+        Steps from one sample to the next.
+    massless
+        Mass that stands in for massless loads [kg], as in `models.compile`.
+    reference
+        To follow instead of resting at the set point (K 3.88), sampled in the middle of
+        every step; it is held over the step, so that inputs told at its end lag half a step.
+    each_step
+        Told of model, batch and number of each step ahead; may add to `batch.ctrl`.
 
-    Raises:
-        ModelError: the simulation breaks down, or MuJoCo cannot hold the rig.
+    Raises
+    ------
+    ModelError
+        The simulation breaks down, or MuJoCo cannot hold the rig.
     """
     model = mjcf.compile(
         regulator.rig,

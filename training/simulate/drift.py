@@ -15,13 +15,11 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models import Rig, make
 from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.simulate import run
-
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 DURATION = 1.0
 """[s]"""
@@ -65,8 +63,10 @@ def free_motion(name: str) -> Free:
 def drift(model: mujoco.MjModel, free: Free) -> Drift:
     """Let the rig go in its model.
 
-    Raises:
-        ModelError: the simulation breaks down.
+    Raises
+    ------
+    ModelError
+        The simulation breaks down.
     """
     qpos, qvel = model.key_qpos[0], np.full(model.nv, PUSH)
     if free.coordinates:

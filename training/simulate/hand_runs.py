@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ...feedforward.rolling import HandMotion, HandPlan, in_cones, joint_forces
@@ -25,8 +24,7 @@ from ...models.mjcf.hand_state import (
     slide_positions,
     slide_rates,
 )
-
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 SERVO = 100.0
 """Frequency of the critically damped servo of every slide and turn [rad/s]."""
@@ -61,8 +59,10 @@ class Track:
     def of(cls, plan: HandPlan, step: float, seconds: float) -> "Track":
         """Go a plan's way there and back for some time, sampled every `step` [s].
 
-        Raises:
-            PathError: no contact forces inside the friction cones make the motion.
+        Raises
+        ------
+        PathError
+            No contact forces inside the friction cones make the motion.
         """
         times = np.linspace(0.0, seconds, round(seconds / step) + 1)
         few = there_and_back(plan, np.linspace(0.0, seconds, INSTANTS))
@@ -141,8 +141,10 @@ class HandRun:
 def run_track(model: mujoco.MjModel, track: Track, servo: float = SERVO) -> HandRun:
     """Follow a track from its start, at rest, until a finger loses the object.
 
-    Raises:
-        ModelError: the model's time step is not the track's, or the simulation breaks down.
+    Raises
+    ------
+    ModelError
+        The model's time step is not the track's, or the simulation breaks down.
     """
     step = float(np.diff(track.motion.times[:2]).sum())
     if abs(step - model.opt.timestep) > 1e-9:

@@ -5,15 +5,13 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ...feedforward import Motion, Reference, solve
 from ...models import Rig, Ropes
 from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.rig_state import points
 from ...models.mjcf.simulate import accelerations, run
-
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 STAND_IN = 1e-5
 """Mass that stands in for that of a massless pulley, over that of all loads."""
@@ -67,8 +65,10 @@ class Prepared:
     def run(self, model: mujoco.MjModel) -> OpenLoop:
         """The move in a model of that time step.
 
-        Raises:
-            ModelError: the simulation breaks down.
+        Raises
+        ------
+        ModelError
+            The simulation breaks down.
         """
         motion = self.motion
         start = dict(zip(motion.coordinate_names, motion.positions[0], strict=True))
@@ -98,16 +98,25 @@ def open_loop(
 ) -> OpenLoop:
     """Run the move, the inputs of each step taken at its middle and held.
 
-    Args:
-        rig: the description.
-        reference: path of its outputs.
-        timestep: of the simulation and of the held inputs [s].
-        hold: how long to go on after arrival [s].
-        massless: mass that stands in for that of a massless pulley [kg]; `STAND_IN` if left out.
-        ropes: of the model, as for `models.compile`; the inputs stay those of rigid ones.
+    Parameters
+    ----------
+    rig
+        The description.
+    reference
+        Path of its outputs.
+    timestep
+        Of the simulation and of the held inputs [s].
+    hold
+        How long to go on after arrival [s].
+    massless
+        Mass that stands in for that of a massless pulley [kg]; `STAND_IN` if left out.
+    ropes
+        Of the model, as for `models.compile`; the inputs stay those of rigid ones.
 
-    Raises:
-        FlatrigError: the rig cannot follow the path, or MuJoCo cannot hold the rig.
+    Raises
+    ------
+    FlatrigError
+        The rig cannot follow the path, or MuJoCo cannot hold the rig.
     """
     prepared = prepare(rig, reference, timestep, hold)
     return prepared.run(

@@ -11,13 +11,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ... import models
 from ...envs import CraneEnv, Scenario
+from ...models.types import Array
 from .case import REFUSED, STOPPED, Case, Found, Stopped
 
-Array = NDArray[np.float64]
 Policy = Callable[[np.random.Generator, int], Array]
 
 SPIKE = 100.0
@@ -56,8 +55,10 @@ def cases() -> Iterator[Case]:
 def episode(env: CraneEnv, policy: Policy, **options: Any) -> Found:
     """Run one to its end.
 
-    Raises:
-        Stopped: with the reason that the environment names; that is how an episode must end.
+    Raises
+    ------
+    Stopped
+        With the reason that the environment names; that is how an episode must end.
     """
     draw = np.random.default_rng(0)
     observation, _ = env.reset(seed=0, options=options)

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...feedforward import Motion, Reference, equations_of, redundant, residuals, solve
 from ...models import Load, Platform, Rig, Rope
@@ -22,8 +22,7 @@ from ...models.mjcf.rig_state import points
 from ...models.mjcf.simulate import accelerations
 from ...models.rig.chain import joint_names
 from ...models.rig.lengths import rope_lengths
-
-Array = NDArray[np.float64]
+from ...models.types import Array
 
 AT = 12
 """Instants at which accelerations are compared."""
@@ -62,8 +61,10 @@ def from_mujoco(motion: Motion) -> float:
 
     Inputs from 1e10 on MuJoCo takes for a mistake: such a motion is not compared.
 
-    Raises:
-        ModelError: MuJoCo cannot hold the rig.
+    Raises
+    ------
+    ModelError
+        MuJoCo cannot hold the rig.
     """
     rig, few = motion.rig, _few(motion)
     if np.abs(motion.inputs[few]).max() >= mujoco.mjMAXVAL:

@@ -9,7 +9,6 @@ from functools import partial
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ellipk
 
 from ... import models
@@ -21,11 +20,10 @@ from ...models.mjcf.ropes import Ropes
 from ...models.mjcf.simulate import accelerations, run
 from ...models.rig import lengths
 from ...models.rig.chain import joint_names
+from ...models.types import Array
 from . import roads as roads
 from .case import CORRECT, STOPPED, Case, Found, Stopped, worst
 from .solver_cases import resized, resized_move
-
-Array = NDArray[np.float64]
 
 SMALL = 1e-6
 """Swing that counts as linear [rad]."""

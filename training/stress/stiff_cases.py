@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ... import models
 from ...feedforward import Equations, Motion, equations_of, from_move, hold, redundant, solve
@@ -23,11 +22,10 @@ from ...models import ModelError, Rig
 from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.ropes import Ropes
 from ...models.mjcf.simulate import accelerations, run
+from ...models.types import Array
 from ..simulate.open_loop import open_loop
 from .case import STOPPED, Case, Found, Stopped, worst
 from .solver_cases import TROLLEYS, resized
-
-Array = NDArray[np.float64]
 
 LIMITS = {"RK4": math.sqrt(8.0), "EULER": 2.0}
 """Largest stable step times angular frequency, on the imaginary axis."""

@@ -87,8 +87,10 @@ def cases(rigs: int, seed: int) -> Iterator[Case]:
 def _chosen(every: list[Case], only: str) -> list[Case]:
     """Those whose row is meant.
 
-    Raises:
-        OptionError: there are none.
+    Raises
+    ------
+    OptionError
+        There are none.
     """
     found = [case for case in every if only.lower() in case.row.lower()]
     if not found:
