@@ -10,6 +10,7 @@ import pytest
 import flatrig.envs as envs
 from flatrig import feedforward, models
 from flatrig.envs.crane.outputs import levers
+from flatrig.envs.crane.plant import Plant
 from flatrig.models.mjcf.rig_state import coordinates, tensions
 
 WORKSHOP = Path(__file__).parents[2] / "docs/workshop_crane.toml"
@@ -24,7 +25,7 @@ def make(name=OVERHEAD, **options):
 def test_tension_where_spans_are_not_affine(other_rigs):
     """A rope from a fixed anchor to a turning rail takes the general formula."""
     rig = fixed_winch()
-    plant = envs.task.Plant(rig, 2, timestep=1e-3, substeps=1)
+    plant = Plant(rig, 2, timestep=1e-3, substeps=1)
     assert not plant.geometry.affine
     scenarios = [envs.Scenario(), envs.Scenario(swing=0.1)]
     joints = np.tile(plant.home, (2, 1))

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from flatrig import models
-from flatrig.feedforward.rolling import overview as report
-from flatrig.feedforward.rolling import plan_hand, replay, residuals
+from flatrig.feedforward.rolling import plan_hand, replay, report, residuals
 from flatrig.feedforward.rolling.orientation import ByAngles
 from flatrig.feedforward.rolling.quadrature import integrate
 from flatrig.feedforward.rolling.with_spin import WithSpin, with_spin
