@@ -57,7 +57,7 @@ stress: $(VENV)/.core  ## stiff and extreme cases, ten thousand random rigs
 	$(BIN)/flatrig stress
 
 figures: $(VENV)/.dev  ## draw the sources' figures anew, into docs/
-	$(BIN)/flatrig reproduce all --page docs/reproduced.md
+	$(BIN)/flatrig reproduce all --page docs/reference/reproduced.md
 
 scenes: $(VENV)/.core  ## write the default scenes to models/*.xml
 	$(BIN)/flatrig scenes

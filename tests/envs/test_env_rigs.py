@@ -13,7 +13,7 @@ from flatrig.envs.crane.outputs import levers
 from flatrig.envs.crane.plant import Plant
 from flatrig.models.mjcf.rig_state import coordinates, tensions
 
-WORKSHOP = Path(__file__).parents[2] / "docs/workshop_crane.toml"
+WORKSHOP = Path(__file__).parents[2] / "docs/how-to/workshop_crane.toml"
 OVERHEAD = "flatrig/OverheadCrane-v0"
 CABLEV = "flatrig/CableManipulator-v0"
 
