@@ -29,7 +29,8 @@ COLUMNS = 110
 INTRODUCTION = """# The sources' figures, computed anew
 
 Y is Y. Yang's thesis (2016), K is B. Kiss's (2001). `flatrig reproduce NAME` makes a figure
-large, with its numbers as CSV; `flatrig reproduce all --page docs/reference/reproduced.md` makes this page.
+large, with its numbers as CSV; `flatrig reproduce all --page docs/reference/reproduced.md` makes
+this page.
 Numerical curves of Y chapters 4 to 6 are implicit Euler's, as in print, with the exact solution
 dotted; wall times are those of one run on two shared cores.
 """
