@@ -34,12 +34,12 @@ def main() -> None:
         float(angles_of_squeezer(squeezer_explicit(tolerance).q)[-1, 0])
         for tolerance in (1e-12, 1e-13)
     )
-    found = {"index 1, DOP853, tolerance 1e-13": (explicit, abs(explicit - looser))}
+    limits = {"index 1, DOP853, tolerance 1e-13": (explicit, abs(explicit - looser))}
     for scheme in (Midpoint(), EnergyMomentum(), ReducedEnergyMomentum(), Variational()):
-        limit, unsure = squeezer_limit(scheme)
-        found[f"{scheme.name}, extrapolated"] = float(limit[0]), float(unsure[0])
-    for name, (beta, unsure_by) in found.items():
-        print(f"    {name:38}{beta:.13f}{beta - data.PUBLISHED[0]:10.1e}  (+-{unsure_by:.0e})")
+        limit, uncertainty = squeezer_limit(scheme)
+        limits[f"{scheme.name}, extrapolated"] = float(limit[0]), float(uncertainty[0])
+    for name, (beta, uncertain_by) in limits.items():
+        print(f"    {name:38}{beta:.13f}{beta - data.PUBLISHED[0]:10.1e}  (+-{uncertain_by:.0e})")
 
     print("Squeezer: error of beta [rad], factorisations, seconds")
     for work in work_precision(explicit, (100, 300, 1000), (1e-4, 1e-6, 1e-8, 1e-10)):

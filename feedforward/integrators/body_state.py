@@ -9,27 +9,28 @@ from ..multibody.system import System
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Where a run stands."""
+    """State of a run between two steps."""
 
     q: Array
     """Coordinates, shape (n,)."""
     v: Array
     """Their rates, shape (n,)."""
     multipliers: Array
-    """Of the step that led here, shape (m,)."""
+    """Multipliers of the step that led here, shape (m,)."""
     memory: tuple[Array, ...] = ()
-    """What else a scheme carries from step to step."""
+    """Other vectors that a scheme carries from step to step."""
 
 
 @dataclass(frozen=True)
 class Counters:
-    """Work done."""
+    """Work that a run or a step took."""
 
     steps: int = 0
+    """Steps of the scheme."""
     iterations: int = 0
-    """Newton steps, each one evaluation of residual and Jacobian and one factorisation."""
+    """Newton steps, each with one evaluation of residual and Jacobian and one factorisation."""
     factorisations: int = 0
-    """Of the iteration matrix, and of Jacobians for projection and null space."""
+    """Factorisations of iteration matrices, and of Jacobians for projection and null space."""
 
     def __add__(self, other: "Counters") -> "Counters":
         return Counters(
@@ -44,23 +45,25 @@ class Failure:
     """Why a step was not made."""
 
     reason: str
-    """"not converged", "singular" or "not finite"."""
+    """Kind of failure: "not converged", "singular" or "not finite"."""
     detail: str
-    """One line."""
+    """The reason in one line."""
     time: float = 0.0
-    """At the start of the step [s]."""
+    """Time at the start of the step [s]."""
 
     def at(self, time: float) -> "Failure":
-        """The same failure, dated."""
+        """The same failure at a time [s]."""
         return replace(self, time=time)
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """A step that was made."""
+    """A step that succeeded."""
 
     state: State
+    """State at its end."""
     counters: Counters
+    """Work that it took."""
 
 
 class Scheme(Protocol):
@@ -68,11 +71,11 @@ class Scheme(Protocol):
 
     @property
     def name(self) -> str:
-        """In the field's words."""
+        """Name of the scheme, as tables print it."""
 
     @property
     def order(self) -> int:
-        """Of convergence of the coordinates."""
+        """Order of convergence of the coordinates."""
 
     def begin(self, system: System, q: Array, v: Array) -> State:
         """The state to start from, at consistent coordinates and rates."""
@@ -95,12 +98,14 @@ class Run:
     """A run, up to its end or its failure."""
 
     times: Array
-    """Shape (N,) [s]."""
+    """Times of the states, shape (N,) [s]."""
     q: Array
     """Coordinates, shape (N, n)."""
     v: Array
     """Rates, shape (N, n)."""
     multipliers: Array
-    """Of the step that ended at each time, shape (N, m); at the first those of the start."""
+    """Multipliers of the step that ended at each time, shape (N, m); first those of the start."""
     counters: Counters = field(default_factory=Counters)
+    """Work of all steps."""
     failure: Failure | None = None
+    """Why the run ended early, if it did."""

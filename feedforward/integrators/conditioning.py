@@ -30,20 +30,22 @@ SCHEMES: tuple[Scheme, ...] = (
     GeneralisedAlpha(),
     ReducedEnergyMomentum(),
 )
-"""One of each."""
+"""All schemes, with their default options."""
 
 
 class Condition(NamedTuple):
     """One row of the table."""
 
     scheme: str
+    """Name of the scheme."""
     step: float
-    """[s]"""
+    """Length of the step [s]."""
     unknowns: int
+    """Size of the iteration matrix."""
     printed: float
     """Condition number of the matrix as printed."""
     scaled: float
-    """The same with the multipliers scaled by the squared step and the balance by the step."""
+    """Condition number with the multipliers scaled by h^2 and the balance by h."""
 
 
 def table(
@@ -53,7 +55,7 @@ def table(
     steps: Sequence[float],
     schemes: Sequence[Scheme] = SCHEMES,
 ) -> list[Condition]:
-    """Condition numbers of each scheme's iteration matrix at a state, for each step."""
+    """Condition numbers of each scheme's iteration matrix at a state, for steps [s]."""
     rows = []
     for scheme in schemes:
         state = scheme.begin(system, q, v)
@@ -64,6 +66,6 @@ def table(
             n = min(len(matrix), len(system.names))
             scaled[:n] *= h
             scaled[:, n:] /= h**2  # nothing, for a reduced matrix
-            found = float(np.linalg.cond(scaled))
-            rows.append(Condition(scheme.name, h, len(matrix), printed, found))
+            condition = float(np.linalg.cond(scaled))
+            rows.append(Condition(scheme.name, h, len(matrix), printed, condition))
     return rows

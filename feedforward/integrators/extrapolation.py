@@ -14,7 +14,7 @@ from ...models.types import Array
 
 
 def extrapolated(results: Sequence[ArrayLike], counts: Sequence[int]) -> tuple[Array, Array]:
-    """The limit of results whose error is a series in the squared step, and how far it is sure.
+    """The limit of results whose error is a series in the squared step, and how sure it is.
 
     Parameters
     ----------

@@ -13,8 +13,8 @@ from ...models.types import Array
 from ..checks import as_number
 from ..multibody.system import System
 from .body_state import State
-from .iteration import Force, Stage
-from .stage import OneStage
+from .iteration import Stage
+from .stage import OneStage, forces_at_end
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class GeneralisedAlpha(OneStage):
     """
 
     radius: float = 0.8
-    """Spectral radius at infinity, 0 to 1."""
+    """Spectral radius for infinitely fast motion, from 0 to 1."""
     name: ClassVar[str] = "generalised-alpha"
     order: ClassVar[int] = 2
     share: ClassVar[float] = 1.0
@@ -49,12 +49,12 @@ class GeneralisedAlpha(OneStage):
 
     @property
     def gamma(self) -> float:
-        """Newmark's, chosen for second order."""
+        """Newmark's gamma, chosen for second order."""
         return 0.5 + self.alpha_f - self.alpha_m
 
     @property
     def beta(self) -> float:
-        """Newmark's, chosen for the damping."""
+        """Newmark's beta, chosen for the damping."""
         return 0.25 * (self.gamma + 0.5) ** 2
 
     def begin(self, system: System, q: Array, v: Array) -> State:
@@ -63,23 +63,16 @@ class GeneralisedAlpha(OneStage):
         return State(q, v, multipliers, (acceleration, acceleration))
 
     def guess(self, state: State, h: float) -> Array:
-        """With the old average."""
+        """Coordinates that the old average of the accelerations leads to, shape (n,)."""
         return state.q + h * state.v + 0.5 * h**2 * state.memory[1]
 
     def stage(self, system: System, state: State, h: float) -> Stage:
         """Forces at the end; h^2 times the acceleration there is weight (q - target)."""
         acceleration, average = state.memory
         weight = (1 - self.alpha_m) / (self.beta * (1 - self.alpha_f))
-        kept = (self.alpha_m * average - self.alpha_f * acceleration) / (1 - self.alpha_f)
-
-        def force(q: Array, multipliers: Array) -> Force:
-            return Force(
-                h**2 * system.potential_gradient(q),
-                system.constraint_jacobian(q),
-                h**2 * system.potential_hessian(q) + system.constraint_hessian(q, multipliers),
-            )
-
-        return Stage(weight, self._explicit(state, h) - h**2 * kept / weight, force)
+        known = (self.alpha_m * average - self.alpha_f * acceleration) / (1 - self.alpha_f)
+        target = self._explicit(state, h) - h**2 * known / weight
+        return Stage(weight, target, forces_at_end(system, h))
 
     def end(self, system: System, state: State, h: float, q: Array, multipliers: Array) -> State:
         """Newmark's rate, and both accelerations."""

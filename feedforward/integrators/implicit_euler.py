@@ -6,8 +6,8 @@ from typing import ClassVar
 from ...models.types import Array
 from ..multibody.system import System
 from .body_state import State
-from .iteration import Force, Stage
-from .stage import OneStage
+from .iteration import Stage
+from .stage import OneStage, forces_at_end
 
 
 @dataclass(frozen=True)
@@ -20,15 +20,7 @@ class ImplicitEuler(OneStage):
 
     def stage(self, system: System, state: State, h: float) -> Stage:
         """Forces at the end of the step."""
-
-        def force(q: Array, multipliers: Array) -> Force:
-            return Force(
-                h**2 * system.potential_gradient(q),
-                system.constraint_jacobian(q),
-                h**2 * system.potential_hessian(q) + system.constraint_hessian(q, multipliers),
-            )
-
-        return Stage(1.0, state.q + h * state.v, force)
+        return Stage(1.0, state.q + h * state.v, forces_at_end(system, h))
 
     def end(self, system: System, state: State, h: float, q: Array, multipliers: Array) -> State:
         """The rate is the quotient of differences."""

@@ -14,13 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...models.types import Array
+from ..multibody.nullspace import negligible
 from ..multibody.system import System, saddle
 from .body_state import Counters, Failure
 
-ENOUGH = 1e-9
-"""Newton step [of the coordinates' size] whose square is below rounding."""
 ROUNDS = 25
-"""Newton steps allowed."""
+"""Newton steps allowed in one step of a scheme; from a useful guess it takes two to five."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,11 +27,11 @@ class Force:
     """Potential and constraint forces of a stage at one guess, times h^2."""
 
     potential: Array
-    """Shape (n,)."""
+    """Gradient of the potential, shape (n,)."""
     jacobian: Array
     """G where the scheme evaluates it, shape (m, n): the constraint force is G^T multipliers."""
     slope: Array
-    """Derivative of both forces by q, shape (n, n)."""
+    """Derivative of the potential and the constraint force by q, shape (n, n)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +39,11 @@ class Stage:
     """The equations of one step."""
 
     weight: float
+    """Factor of the inertia M (q - target)."""
     target: Array
-    """Where the step would lead without forces, shape (n,)."""
+    """Coordinates to which the step would lead without forces, shape (n,)."""
     force: Callable[[Array, Array], Force]
-    """Of coordinates and scaled multipliers."""
+    """Forces at coordinates (n,) and scaled multipliers (m,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +51,11 @@ class Solution:
     """Coordinates and scaled multipliers at the end of a step."""
 
     q: Array
+    """Coordinates, shape (n,)."""
     multipliers: Array
+    """Multipliers times the scheme's share of h^2, shape (m,)."""
     counters: Counters
+    """Work of the iteration."""
 
 
 def solve(system: System, stage: Stage, q: Array, multipliers: Array) -> Solution | Failure:
@@ -67,11 +70,6 @@ def solve(system: System, stage: Stage, q: Array, multipliers: Array) -> Solutio
         if negligible(update[:n], q):
             return Solution(q, multipliers, Counters(1, count, count))
     return unsettled(update[:n])
-
-
-def negligible(update: Array, q: Array) -> bool:
-    """Whether what is left after a Newton step is below rounding."""
-    return bool(np.abs(update).max() <= ENOUGH * (1 + np.abs(q).max()))
 
 
 def unsettled(update: Array) -> Failure:

@@ -28,27 +28,32 @@ class Conserved(NamedTuple):
     """A run of the free crane for 1 s."""
 
     scheme: str
+    """Name of the scheme."""
     step: float
-    """[s]"""
+    """Length of the step [s]."""
     energy: float
-    """Greatest change, relative."""
+    """Greatest relative change of the energy."""
     momentum: float
-    """Greatest change of the angular momentum about the vertical, relative."""
+    """Greatest relative change of the angular momentum about the vertical."""
     iterations: int
+    """Newton steps of the whole run."""
     failure: str
-    """Empty, or why the run ended early."""
+    """Why the run ended early; empty if it did not."""
 
 
 class Work(NamedTuple):
     """A run of the squeezer to its published end."""
 
     method: str
+    """Name of the scheme or method."""
     setting: str
     """Number of steps, or the tolerance."""
     error: float
-    """Of beta [rad]."""
+    """Error of the crank's angle beta at the end [rad]."""
     factorisations: int
+    """Factorisations, or evaluations of an explicit method."""
     seconds: float
+    """Run time [s]."""
 
 
 def conservation(
@@ -119,5 +124,6 @@ def work_precision(
 
 def _work(method: str, setting: str, run: Run, reference: float, seconds: float) -> Work:
     error = abs(float(angles_of_squeezer(run.q)[-1, 0]) - reference)
-    found = np.inf if run.failure else error
-    return Work(method, setting, found, run.counters.factorisations, seconds)
+    return Work(
+        method, setting, np.inf if run.failure else error, run.counters.factorisations, seconds
+    )

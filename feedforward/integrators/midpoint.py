@@ -7,7 +7,7 @@ from ...models.types import Array
 from ..multibody.system import System
 from .body_state import State
 from .iteration import Force, Stage
-from .stage import OneStage, midpoint_rate
+from .stage import OneStage
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,3 @@ class Midpoint(OneStage):
             )
 
         return Stage(1.0, state.q + h * state.v, force)
-
-    def end(self, system: System, state: State, h: float, q: Array, multipliers: Array) -> State:
-        """The mean rate is the quotient of differences."""
-        return State(q, midpoint_rate(state, h, q), multipliers)

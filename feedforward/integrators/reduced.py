@@ -12,11 +12,11 @@ from typing import ClassVar
 import numpy as np
 
 from ...models.types import Array
-from ..multibody.nullspace import onto_constraints, split
+from ..multibody.nullspace import negligible, onto_constraints, split
 from ..multibody.system import System
 from .body_state import Counters, Failure, State, Step
 from .energy_momentum import EnergyMomentum
-from .iteration import ROUNDS, Stage, negligible, unsettled
+from .iteration import ROUNDS, Stage, unsettled
 from .stage import midpoint_rate
 
 
@@ -45,9 +45,9 @@ class ReducedEnergyMomentum:
             q = onto_constraints(system, q - update)
             if q is not None and negligible(update, q):
                 _, multipliers, _ = _split(system, stage, q)
-                reached = State(q, midpoint_rate(state, h, q), 2 * multipliers / h**2)
+                end = State(q, midpoint_rate(state, h, q), 2 * multipliers / h**2)
                 # Null spaces at both Jacobians, a projection, and the reduced matrix.
-                return Step(reached, Counters(1, count, 4 * count + 1))
+                return Step(end, Counters(1, count, 4 * count + 1))
         return unsettled(update)
 
     def matrix(self, system: System, state: State, h: float) -> Array:

@@ -14,9 +14,9 @@ from ..multibody.system import System
 from .body_state import Counters, Failure, Run, Scheme, State, Step
 
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
-"""Of `scipy.integrate.solve_ivp`."""
+"""Methods of `scipy.integrate.solve_ivp`."""
 FINEST = 2.3e-14
-"""Least relative tolerance that SciPy takes."""
+"""Least relative tolerance that SciPy takes, 100 times the rounding error."""
 
 
 def integrate(
@@ -27,7 +27,7 @@ def integrate(
     Parameters
     ----------
     scheme
-        One of this package.
+        One of this package, for example `Midpoint()`.
     system
         The equations.
     q
@@ -35,7 +35,7 @@ def integrate(
     v
         Their rates, shape (n,).
     duration
-        [s]
+        Length of the run [s].
     steps
         Number of steps.
 
@@ -61,12 +61,12 @@ def integrate(
     position, velocity = _start(system, q, v)
     states = [scheme.begin(system, position, velocity)]
     for k in range(steps):
-        done = _step(scheme, system, states[-1], h)
-        if isinstance(done, Failure):
-            failure = done.at(k * h)
+        step = _step(scheme, system, states[-1], h)
+        if isinstance(step, Failure):
+            failure = step.at(k * h)
             break
-        states.append(done.state)
-        counters += done.counters
+        states.append(step.state)
+        counters += step.counters
     return Run(
         times=h * np.arange(len(states), dtype=np.float64),
         q=np.array([state.q for state in states]),
@@ -136,15 +136,19 @@ def integrate_index_one(
     def rate(_: float, state: Array) -> Array:
         return np.concatenate((state[n:], system.accelerations(state[:n], state[n:])[0]))
 
-    found = solve_ivp(rate, (at[0], at[-1]), start, method=method, t_eval=at, rtol=rtol, atol=atol)
-    states = found.y.T
-    failure = None if found.success else Failure("not converged", found.message, float(found.t[-1]))
+    solution = solve_ivp(
+        rate, (at[0], at[-1]), start, method=method, t_eval=at, rtol=rtol, atol=atol
+    )
+    states = solution.y.T
+    failure = None
+    if not solution.success:
+        failure = Failure("not converged", solution.message, float(solution.t[-1]))
     return Run(
-        times=found.t,
+        times=solution.t,
         q=states[:, :n],
         v=states[:, n:],
         multipliers=np.array([system.accelerations(s[:n], s[n:])[1] for s in states]),
-        counters=Counters(factorisations=found.nfev),
+        counters=Counters(factorisations=solution.nfev),
         failure=failure,
     )
 
@@ -156,21 +160,22 @@ def _start(system: System, q: ArrayLike, v: ArrayLike) -> tuple[Array, Array]:
         system.accelerations(position, velocity)
     except np.linalg.LinAlgError:
         raise RigError(f"{system.name}: the equations are singular at the start") from None
+    # Constraints are quadratic: rounding grows with the square of the coordinates' size.
     size, speed = (max(1.0, float(np.abs(part).max())) for part in (position, velocity))
     away = np.abs(system.constraint_values(position)) / size**2
     drift = np.abs(system.constraint_jacobian(position) @ velocity) / (size * speed)
-    for name, broken in (("q", away), ("v", drift)):
-        if not broken.max() <= TOLERANCE:
-            worst = system.constraint_names[int(broken.argmax())]
+    for name, error in (("q", away), ("v", drift)):
+        if not error.max() <= TOLERANCE:
+            worst = system.constraint_names[int(error.argmax())]
             raise OptionError(
                 f"{name} is not consistent with constraint {worst} of {system.name}, by "
-                f"{broken.max():.2g} of its size; `multibody.assemble` gives a start that is"
+                f"{error.max():.2g} of its size; `multibody.assemble` gives a start that is"
             )
     return position, velocity
 
 
 def _step(scheme: Scheme, system: System, state: State, h: float) -> Step | Failure:
-    """A step, every way to fail being a value."""
+    """A step, or the reason why there is none."""
     try:
         with np.errstate(all="ignore"):
             return scheme.step(system, state, h)
@@ -178,15 +183,15 @@ def _step(scheme: Scheme, system: System, state: State, h: float) -> Step | Fail
         return Failure("singular", "a matrix of the step is singular")
 
 
-def _numbers(name: str, given: ArrayLike) -> Array:
+def _numbers(name: str, values: ArrayLike) -> Array:
     try:
-        return np.array(given, dtype=np.float64)
+        return np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise OptionError(f"{name} must be numbers, got {given!r}") from None
+        raise OptionError(f"{name} must be numbers, got {values!r}") from None
 
 
-def _vector(system: System, name: str, given: ArrayLike) -> Array:
-    array = _numbers(name, given)
+def _vector(system: System, name: str, values: ArrayLike) -> Array:
+    array = _numbers(name, values)
     if array.shape != (len(system.names),) or not np.isfinite(array).all():
         raise OptionError(
             f"{name} must be {len(system.names)} finite numbers, got shape {array.shape}"

@@ -28,17 +28,18 @@ class Body:
     """A rigid body, or a point mass if it has no Euler tensor."""
 
     name: str
+    """Name of the body, unique in its mechanism."""
     mass: float
-    """[kg]"""
+    """Mass of the body [kg]."""
     euler: Vector
     """Principal values E_i of the Euler tensor, integral of X_i^2 (Y 2.39) [kg m^2]; () for a
     point mass."""
     position: Vector
-    """Of the centre of mass at the start [m]."""
+    """Position of the centre of mass at the start [m]."""
     rotation: tuple[Vector, ...] = ()
     """Rows of the rotation matrix at the start, whose columns are the directors; () is upright."""
     velocity: Vector = ()
-    """Of the centre of mass at the start [m/s]; () is at rest."""
+    """Velocity of the centre of mass at the start [m/s]; () is at rest."""
     spin: Vector = ()
     """Angular velocity at the start in world axes [rad/s]; () is none."""
 
@@ -48,39 +49,43 @@ class Point:
     """A material point of a body."""
 
     body: str
+    """Name of the body, or `GROUND`."""
     at: Vector = ()
-    """Along the directors, from the centre of mass (the origin, of the ground) [m]; () is there."""
+    """Components along the directors, from the centre of mass (of the ground, from the origin) [m];
+    () is that centre itself."""
 
 
 @dataclass(frozen=True)
-class Spherical:
+class Pair:
+    """A part between points of two bodies."""
+
+    name: str
+    """Name of the part, unique in its mechanism."""
+    first: Point
+    """Point of the first body."""
+    second: Point
+    """Point of the second body."""
+
+
+@dataclass(frozen=True)
+class Spherical(Pair):
     """A ball joint: two points coincide."""
 
-    name: str
-    first: Point
-    second: Point
-
 
 @dataclass(frozen=True)
-class Revolute:
+class Revolute(Pair):
     """A pin: two points coincide, and in space the bodies share an axis (Y 2.70)."""
 
-    name: str
-    first: Point
-    second: Point
     axis: Vector = ()
-    """Fixed in the first body; none in the plane."""
+    """Axis fixed in the first body; () in the plane."""
 
 
 @dataclass(frozen=True)
-class Prismatic:
+class Prismatic(Pair):
     """A guide: the second point stays on a line of the first body, which does not turn (Y 2.72)."""
 
-    name: str
-    first: Point
-    second: Point
     axis: Vector
-    """Of the line, fixed in the first body."""
+    """Direction of the line, fixed in the first body."""
 
 
 @dataclass(frozen=True)
@@ -88,47 +93,41 @@ class Angle:
     """The angle of the second body against the first as a coordinate of its own (Y 2.3.5)."""
 
     name: str
+    """Name of the coordinate."""
     first: str
+    """Name of the first body, or `GROUND`."""
     second: str
+    """Name of the second body."""
     axis: Vector = ()
-    """Fixed in both bodies; none in the plane."""
+    """Axis fixed in both bodies; () in the plane."""
 
 
 @dataclass(frozen=True)
-class Slide:
+class Slide(Pair):
     """The distance of two points along an axis as a coordinate of its own (Y 2.106)."""
 
-    name: str
-    first: Point
-    second: Point
     axis: Vector
-    """Fixed in the first point's body."""
+    """Axis fixed in the first point's body."""
 
 
 @dataclass(frozen=True)
-class Rope:
+class Rope(Pair):
     """A taut rope between two points, wound on a drum that an angle turns (Y 2.101)."""
 
-    name: str
-    first: Point
-    second: Point
     angle: str
-    """Whose increase pays the rope out; it starts at zero."""
+    """Name of the angle whose increase pays the rope out; it starts at zero."""
     radius: float
-    """Of the drum [m]."""
+    """Radius of the drum [m]."""
 
 
 @dataclass(frozen=True)
-class Spring:
+class Spring(Pair):
     """A spring between two points."""
 
-    name: str
-    first: Point
-    second: Point
     stiffness: float
-    """[N/m]"""
+    """Stiffness of the spring [N/m]."""
     length: float
-    """Without force [m]."""
+    """Length without force [m]."""
 
 
 @dataclass(frozen=True)
@@ -136,7 +135,9 @@ class Effort:
     """A constant torque [N m] on an angle, or force [N] on a slide."""
 
     on: str
+    """Name of the angle or slide."""
     value: float
+    """Torque [N m] or force [N]."""
 
 
 Joint = Spherical | Revolute | Prismatic | Rope
@@ -154,7 +155,7 @@ class Mechanism:
     springs: tuple[Spring, ...] = ()
     efforts: tuple[Effort, ...] = ()
     gravity: Vector = ()
-    """[m/s^2]; () is none."""
+    """Gravitational acceleration [m/s^2]; () is none."""
 
 
 def euler_of(inertia: Sequence[float]) -> Vector:

@@ -9,12 +9,13 @@ from ...models.types import Array
 from .bodies import GROUND, Angle, Augmentation, Body, Mechanism, Point
 from .nullspace import projected, projected_rate
 from .pairs import constraints, turn
-from .rows import Rows, centre, directors, dot, form
+from .rows import Rows, centre, dot, form, vectors
 from .system import System
 from .terms import Form, SpringTerm, Turn
 
 TOLERANCE = 1e-8
-"""How far [m, or none] bodies may stand from satisfying their joints at the start."""
+"""Largest error of a constraint at the start [m, or none]: positions typed with eight digits pass
+and are projected, bodies that do not fit are refused."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +23,7 @@ class Start:
     """Where a mechanism starts, consistent to rounding."""
 
     q: Array
-    """Coordinates, shape (n,)."""
+    """Coordinates at the start, shape (n,)."""
     v: Array
     """Their rates, shape (n,)."""
 
@@ -37,15 +38,13 @@ def assemble(mechanism: Mechanism) -> tuple[System, Start]:
         or the bodies do not fit their joints at the start.
     """
     _check(mechanism)
-    bodies, added = mechanism.bodies, mechanism.augmentations
-    names = tuple(name for body in bodies for name in _names(body))
-    names += tuple(part.name for part in added)
-    rows = Rows(len(bodies[0].position), bodies, names)
-    named = [pair for body in bodies for pair in _rigidity(body, rows)]
-    for part in (*mechanism.joints, *added):
+    rows = Rows(mechanism)
+    names = rows.names
+    named = [pair for body in mechanism.bodies for pair in _rigidity(body, rows)]
+    for part in (*mechanism.joints, *mechanism.augmentations):
         named += [(f"{part.name}.{end}", matrix) for end, matrix in constraints(part, rows)]
     turns = []
-    for part in added:
+    for part in mechanism.augmentations:
         if isinstance(part, Angle):
             sine, cosine = turn(part, rows)
             turns.append(Turn(len(named), names.index(part.name), Form(sine), Form(cosine)))
@@ -54,15 +53,15 @@ def assemble(mechanism: Mechanism) -> tuple[System, Start]:
         name=mechanism.name,
         names=names,
         constraint_names=tuple(name for name, _ in named),
-        mass=_mass(bodies, names),
+        mass=_mass(mechanism, names),
         force=_force(mechanism, rows),
         constraints=np.array([matrix for _, matrix in named]),
         turns=tuple(turns),
         springs=_springs(mechanism, rows),
         vectors=tuple(
             tuple(names.index(name) for name in vector)
-            for body in bodies
-            for vector in (centre(body), *directors(body))
+            for body in mechanism.bodies
+            for vector in vectors(body)
         ),
     )
     return system, _start(system, mechanism, rows)
@@ -70,42 +69,34 @@ def assemble(mechanism: Mechanism) -> tuple[System, Start]:
 
 def track(mechanism: Mechanism, point: Point, q: Array) -> Array:
     """World positions of a material point at coordinates (..., n), shape (..., d)."""
-    bodies, added = mechanism.bodies, mechanism.augmentations
-    names = tuple(name for body in bodies for name in _names(body))
-    rows = Rows(len(bodies[0].position), bodies, names + tuple(part.name for part in added))
-    place = rows.point(point)
+    place = Rows(mechanism).point(point)
     return np.asarray(q @ place[:, :-1].T + place[:, -1])
-
-
-def _names(body: Body) -> tuple[str, ...]:
-    return (*centre(body), *(name for director in directors(body) for name in director))
 
 
 def _rigidity(body: Body, rows: Rows) -> list[tuple[str, Array]]:
     """Unit and perpendicular directors (Y 2.44)."""
-    found = []
+    forms = []
     size = len(body.euler)
     pairs = [(i, i) for i in range(size)] + [(i, k) for i in range(size) for k in range(i)]
     for i, k in pairs:
         factor = 0.5 if i == k else 1.0
         terms = dot(rows.director(body.name, i), rows.director(body.name, k), factor)
         constant = [(-0.5, rows.one, rows.one)] if i == k else []
-        found.append((f"{body.name}.d{k + 1}d{i + 1}", form(*terms, *constant)))
-    return found
+        forms.append((f"{body.name}.d{k + 1}d{i + 1}", form(*terms, *constant)))
+    return forms
 
 
-def _mass(bodies: tuple[Body, ...], names: tuple[str, ...]) -> Array:
+def _mass(mechanism: Mechanism, names: tuple[str, ...]) -> Array:
     """Masses and principal values of the Euler tensors (Y 2.42); zero for what is added."""
     diagonal = np.zeros(len(names))
-    for body in bodies:
-        for factor, vector in zip(
-            (body.mass, *body.euler), (centre(body), *directors(body)), strict=True
-        ):
+    for body in mechanism.bodies:
+        for factor, vector in zip((body.mass, *body.euler), vectors(body), strict=True):
             diagonal[[names.index(name) for name in vector]] = factor
     return np.diag(diagonal)
 
 
 def _force(mechanism: Mechanism, rows: Rows) -> Array:
+    """Gravity and constant efforts, shape (n,)."""
     force = np.zeros(len(rows.names))
     for body in mechanism.bodies:
         for name, pull in zip(centre(body), mechanism.gravity, strict=False):
@@ -116,26 +107,25 @@ def _force(mechanism: Mechanism, rows: Rows) -> Array:
 
 
 def _springs(mechanism: Mechanism, rows: Rows) -> tuple[SpringTerm, ...]:
-    found = []
-    for spring in mechanism.springs:
-        span = rows.point(spring.second) - rows.point(spring.first)
-        found.append(SpringTerm(Form(form(*dot(span, span))), spring.stiffness, spring.length))
-    return tuple(found)
+    spans = [rows.point(spring.second) - rows.point(spring.first) for spring in mechanism.springs]
+    return tuple(
+        SpringTerm(Form(form(*dot(span, span))), spring.stiffness, spring.length)
+        for spring, span in zip(mechanism.springs, spans, strict=True)
+    )
 
 
 def _start(system: System, mechanism: Mechanism, rows: Rows) -> Start:
     q, v = (np.zeros(len(system.names)) for _ in range(2))
-    vectors = iter(system.vectors)
+    indices = iter(system.vectors)
     for body in mechanism.bodies:
-        place = list(next(vectors))
+        place = list(next(indices))
         q[place] = body.position
         v[place] = body.velocity or np.zeros(rows.dimension)
         rotation = rows.rotation(body.name)
         for i in range(len(body.euler)):
-            place = list(next(vectors))
+            place = list(next(indices))
             q[place] = rotation[:, i]
-            v[place] = _turning(body.spin, rotation[:, i])
-    given = np.array([system.index(name) for body in mechanism.bodies for name in _names(body)])
+            v[place] = _director_rate(body.spin, rotation[:, i])
     for part in mechanism.augmentations:
         q[system.index(part.name)] = _added(system, part, q)
     away = np.abs(system.constraint_values(q))
@@ -152,11 +142,11 @@ def _start(system: System, mechanism: Mechanism, rows: Rows) -> Start:
             "independent at the start; loops in one plane need planar bodies"
         )
     q = projected(system, q)
-    v = _rates(system, q, v, given)
-    return Start(q, v)
+    return Start(q, _rates(system, q, v, len(q) - len(mechanism.augmentations)))
 
 
-def _turning(spin: tuple[float, ...], director: Array) -> Array:
+def _director_rate(spin: tuple[float, ...], director: Array) -> Array:
+    """Rate of a director, spin x director, shape (d,)."""
     if not spin:
         return np.zeros_like(director)
     if len(director) == 2:
@@ -167,27 +157,26 @@ def _turning(spin: tuple[float, ...], director: Array) -> Array:
 def _added(system: System, part: Augmentation, q: Array) -> float:
     """Value of an added coordinate at the start."""
     if isinstance(part, Angle):
-        (found,) = (t for t in system.turns if t.angle == system.index(part.name))
-        return float(np.arctan2(found.sine.value(q), found.cosine.value(q)))
+        (angle,) = (t for t in system.turns if t.angle == system.index(part.name))
+        return float(np.arctan2(angle.sine.value(q), angle.cosine.value(q)))
     return float(system.constraint_values(q)[system.constraint_names.index(f"{part.name}.along")])
 
 
-def _rates(system: System, q: Array, v: Array, given: Array) -> Array:
-    """Rates of the added coordinates from those of the bodies, and all of them consistent."""
-    added = np.setdiff1d(np.arange(len(q)), given)
+def _rates(system: System, q: Array, v: Array, count: int) -> Array:
+    """Consistent rates (n,), those of the added coordinates from the first `count`, the bodies'."""
     jacobian = system.constraint_jacobian(q)
-    found = v.copy()
-    if len(added):
-        right = -jacobian[:, given] @ v[given]
-        found[added] = np.linalg.lstsq(jacobian[:, added], right, rcond=None)[0]
-    away = np.abs(jacobian @ found)
-    if not away.max() <= TOLERANCE * max(1.0, float(np.abs(found).max())):
+    rates = v.copy()
+    if count < len(q):
+        right = -jacobian[:, :count] @ v[:count]
+        rates[count:] = np.linalg.lstsq(jacobian[:, count:], right, rcond=None)[0]
+    away = np.abs(jacobian @ rates)
+    if not away.max() <= TOLERANCE * max(1.0, float(np.abs(rates).max())):
         worst = system.constraint_names[int(np.argmax(away))]
         raise RigError(
             f"{system.name}: the bodies' velocities do not fit at the start; constraint {worst} "
             f"changes by {away.max():.3g}/s, it must stay 0"
         )
-    return projected_rate(system, q, found)
+    return projected_rate(system, q, rates)
 
 
 def _check(mechanism: Mechanism) -> None:
@@ -207,13 +196,15 @@ def _check(mechanism: Mechanism) -> None:
                 "components, as many as every other body's"
             )
         spins = 1 if size == 2 else 3
-        for what, given, right in (
+        for quantity, vector, count in (
             ("velocity", body.velocity, size),
             ("spin", body.spin, spins),
             ("rotation", body.rotation, size),
         ):
-            if len(given) not in (0, right):
-                raise RigError(f"{body.name} has the {what} {given}; it must have {right} entries")
+            if len(vector) not in (0, count):
+                raise RigError(
+                    f"{body.name} has the {quantity} {vector}; it must have {count} entries"
+                )
         if len(body.euler) not in (0, size):
             raise RigError(
                 f"{body.name} has {len(body.euler)} values of the Euler tensor; it must be "

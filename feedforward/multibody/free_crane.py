@@ -25,8 +25,9 @@ INERTIA = {
 }
 """Principal inertias (Y table 2.1) [kg m^2]."""
 MASS = {"girder": 100.0, "trolley": 50.0, "winch": 3.0, "load": 10.0}
-"""Y tables 2.1 and 2.2 [kg]."""
+"""Masses (Y tables 2.1 and 2.2) [kg]."""
 DRUM_RADIUS = 0.1
+"""Radius of the winch's drum [m]."""
 
 
 def rotary_crane(
@@ -39,11 +40,11 @@ def rotary_crane(
     place
         The trolley's distance from the tower [m]; 1.5 in Y 2.90, 2.5 in Y table 2.2.
     length
-        Of the rope [m].
+        Length of the rope [m].
     spin
-        Of the girder [rad/s].
+        Angular velocity of the girder [rad/s].
     gravity
-        [m/s^2]
+        Gravitational acceleration, downwards [m/s^2].
     """
     up, along, across = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
     turning, moving = (0.0, 0.0, spin), (0.0, place * spin, 0.0)

@@ -16,7 +16,8 @@ from .system import System, saddle
 ROUNDS = 20
 """Newton steps allowed to reach the constraints."""
 ENOUGH = 1e-9
-"""Step [of the coordinates' size] after which one more is below rounding."""
+"""Newton step, over 1 + the coordinates' size, whose square is below rounding: the error left after
+a step with an exact Jacobian is about that square."""
 
 
 class Split(NamedTuple):
@@ -53,24 +54,29 @@ def projected(system: System, q: Array) -> Array:
     RigError
         None are found.
     """
-    found = onto_constraints(system, q)
-    if found is None:
+    place = onto_constraints(system, q)
+    if place is None:
         raise RigError(f"{system.name}: the constraints cannot be satisfied near the start")
-    return found
+    return place
 
 
 def onto_constraints(system: System, q: Array) -> Array | None:
     """The coordinates near q that satisfy the constraints, or None if none are found."""
-    found = q.copy()
+    place = q.copy()
     for _ in range(ROUNDS):
-        jacobian, values = system.constraint_jacobian(found), system.constraint_values(found)
+        jacobian, values = system.constraint_jacobian(place), system.constraint_values(place)
         step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T, values)
-        found -= step
+        place -= step
         if not np.isfinite(step).all():
             return None
-        if np.abs(step).max() <= ENOUGH * (1 + np.abs(found).max()):
-            return found
+        if negligible(step, place):
+            return place
     return None
+
+
+def negligible(step: Array, q: Array) -> bool:
+    """Whether what is left after a Newton step to coordinates q is below rounding."""
+    return bool(np.abs(step).max() <= ENOUGH * (1 + np.abs(q).max()))
 
 
 def projected_rate(system: System, q: Array, v: Array) -> Array:
@@ -83,8 +89,8 @@ def with_momentum(system: System, q: Array, momentum: Array) -> tuple[Array, Arr
     jacobian = system.constraint_jacobian(q)
     right = np.concatenate((momentum, np.zeros(len(jacobian))))
     matrix = saddle(system.mass, jacobian.T, jacobian)
-    found = np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
-    return found[: len(q)], found[len(q) :]
+    solution = np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
+    return solution[: len(q)], solution[len(q) :]
 
 
 def reduced_accelerations(system: System, q: Array, v: Array) -> Array:

@@ -4,39 +4,39 @@ Every part of a mechanism is written with them, the ground's points being consta
 product of two rows is a quadratic form.
 """
 
-from collections.abc import Iterable, Mapping
-
 import numpy as np
 
 from ...models.errors import RigError, did_you_mean
 from ...models.types import Array
-from .bodies import GROUND, Body, Point, Vector
+from .bodies import GROUND, Body, Mechanism, Point, Vector
 
 Term = tuple[float, Array, Array]
+"""A factor and the two rows (n + 1,) that it multiplies."""
 
 
 class Rows:
-    """Rows of the named coordinates and of the bodies' points and vectors."""
+    """Rows of a mechanism's coordinates and of its bodies' points and vectors."""
 
-    def __init__(self, dimension: int, bodies: Iterable[Body], names: tuple[str, ...]) -> None:
-        self.dimension = dimension
-        self.names = names
-        self.bodies: Mapping[str, Body] = {body.name: body for body in bodies}
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.dimension = len(mechanism.bodies[0].position)
+        self.bodies = {body.name: body for body in mechanism.bodies}
+        bodies = [name for body in mechanism.bodies for vector in vectors(body) for name in vector]
+        self.names = (*bodies, *(part.name for part in mechanism.augmentations))
         self.one = self.constant(1.0)
 
     def constant(self, value: float) -> Array:
-        """Row of a constant."""
-        found = np.zeros(len(self.names) + 1)
-        found[-1] = value
-        return found
+        """Row of a constant, shape (n + 1,)."""
+        row = np.zeros(len(self.names) + 1)
+        row[-1] = value
+        return row
 
     def row(self, name: str) -> Array:
-        """Row of a coordinate."""
+        """Row of a coordinate, shape (n + 1,)."""
         if name not in self.names:
             raise RigError(f"there is no coordinate {name!r}{did_you_mean(name, self.names)}")
-        found = np.zeros(len(self.names) + 1)
-        found[self.names.index(name)] = 1.0
-        return found
+        row = np.zeros(len(self.names) + 1)
+        row[self.names.index(name)] = 1.0
+        return row
 
     def body(self, name: str) -> Body:
         """The body of a name."""
@@ -62,11 +62,11 @@ class Rows:
             raise RigError(
                 f"{name} has a point or vector {components}; it must be {self.dimension} numbers"
             )
-        found = np.zeros((self.dimension, len(self.names) + 1))
+        rows = np.zeros((self.dimension, len(self.names) + 1))
         for i, component in enumerate(components):
             if component:
-                found += component * self.director(name, i)
-        return found
+                rows += component * self.director(name, i)
+        return rows
 
     def point(self, point: Point) -> Array:
         """World position of a material point, shape (d, n + 1)."""
@@ -98,6 +98,11 @@ def directors(body: Body) -> tuple[tuple[str, ...], ...]:
     """Names of the coordinates of a body's directors, none for a point mass."""
     axes = "xyz"[: len(body.euler)]
     return tuple(tuple(f"{body.name}.d{i}{axis}" for axis in axes) for i in range(1, len(axes) + 1))
+
+
+def vectors(body: Body) -> tuple[tuple[str, ...], ...]:
+    """Names of all coordinates of a body, vector by vector: its centre, then its directors."""
+    return (centre(body), *directors(body))
 
 
 def form(*terms: Term) -> Array:

@@ -25,17 +25,20 @@ class System:
 
     name: str
     names: tuple[str, ...]
-    """Of the n coordinates."""
+    """Names of the n coordinates."""
     constraint_names: tuple[str, ...]
+    """Names of the m constraints."""
     mass: Array
-    """M, shape (n, n)."""
+    """Mass matrix M, shape (n, n)."""
     force: Array
-    """Constant part of the force, shape (n,): gravity and efforts."""
+    """Constant part of the force, gravity and efforts, shape (n,)."""
     constraints: Array
     """Symmetric matrices S_k with Phi_k = 1/2 (q, 1)^T S_k (q, 1), shape (m, n + 1, n + 1); zero
     for turns."""
     turns: tuple[Turn, ...] = ()
+    """Constraints of the added angles, which are not quadratic."""
     springs: tuple[SpringTerm, ...] = ()
+    """Springs, whose potential is not quadratic."""
     vectors: tuple[tuple[int, ...], ...] = ()
     """Indices of each coordinate that is a vector: positions and directors."""
 
@@ -62,22 +65,22 @@ class System:
         return float(sum(s.value(q) for s in self.springs) - self.force @ q)
 
     def potential_gradient(self, q: Array) -> Array:
-        """Shape (n,)."""
+        """Gradient of V, shape (n,)."""
         return np.asarray(sum((s.gradient(q) for s in self.springs), -self.force))
 
     def potential_hessian(self, q: Array) -> Array:
-        """Shape (n, n)."""
+        """Second derivatives of V, shape (n, n)."""
         return np.asarray(sum((s.hessian(q) for s in self.springs), np.zeros_like(self.mass)))
 
     def discrete_potential_gradient(self, q0: Array, q1: Array) -> Array:
         """Discrete gradient of V, shape (n,)."""
-        found = (s.discrete_gradient(q0, q1) for s in self.springs)
-        return np.asarray(sum(found, -self.force))
+        gradients = (s.discrete_gradient(q0, q1) for s in self.springs)
+        return np.asarray(sum(gradients, -self.force))
 
     def discrete_potential_slope(self, q0: Array, q1: Array) -> Array:
         """Its derivative by q1, shape (n, n)."""
-        found = (s.discrete_slope(q0, q1) for s in self.springs)
-        return np.asarray(sum(found, np.zeros_like(self.mass)))
+        slopes = (s.discrete_slope(q0, q1) for s in self.springs)
+        return np.asarray(sum(slopes, np.zeros_like(self.mass)))
 
     def constraint_values(self, q: Array) -> Array:
         """Phi(q), shape (m,)."""
@@ -96,10 +99,10 @@ class System:
 
     def constraint_hessian(self, q: Array, weights: Array) -> Array:
         """Sum of the constraints' second derivatives times weights (m,), shape (n, n)."""
-        found = self._weighted(weights)
+        hessian = self._weighted(weights)
         for turn in self.turns:
-            found += weights[turn.constraint] * turn.hessian(q)
-        return found
+            hessian += weights[turn.constraint] * turn.hessian(q)
+        return hessian
 
     def discrete_jacobian(self, q0: Array, q1: Array) -> Array:
         """Discrete gradients of the constraints (Y 3.5), shape (m, n)."""
@@ -110,10 +113,10 @@ class System:
 
     def discrete_constraint_slope(self, q0: Array, q1: Array, weights: Array) -> Array:
         """Derivative by q1 of their sum times weights (m,), shape (n, n)."""
-        found = 0.5 * self._weighted(weights)
+        slope = 0.5 * self._weighted(weights)
         for turn in self.turns:
-            found += weights[turn.constraint] * turn.discrete_slope(q0, q1)
-        return found
+            slope += weights[turn.constraint] * turn.discrete_slope(q0, q1)
+        return slope
 
     def accelerations(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Accelerations (n,) and multipliers (m,) of the index-1 form at a consistent state."""
@@ -131,7 +134,7 @@ class System:
         return float(0.5 * v @ self.mass @ v) + self.potential(q)
 
     def angular_momentum(self, q: Array, v: Array) -> Array:
-        """About the origin, in world axes, shape (3,), or (1,) in the plane [kg m^2/s]."""
+        """Angular momentum about the origin [kg m^2/s], shape (3,), in the plane (1,)."""
         blocks = np.array(self.vectors)
         position, momentum = q[blocks], (self.mass @ v)[blocks]
         if blocks.shape[1] == 2:

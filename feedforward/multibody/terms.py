@@ -20,7 +20,8 @@ import numpy as np
 from ...models.types import Array
 
 SMALL = 1e-3
-"""Half angle x below which sin(x)/x and its slope are taken from their series."""
+"""Half angle x [rad] below which sin(x)/x and its slope come from their series: the slope's formula
+loses 1e-16 / x to cancellation, and the terms that are left out are below rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +29,7 @@ class Form:
     """A quadratic form 1/2 (q, 1)^T S (q, 1)."""
 
     matrix: Array
-    """S, symmetric, shape (n + 1, n + 1)."""
+    """Symmetric matrix S, shape (n + 1, n + 1)."""
 
     def value(self, q: Array) -> float:
         """Value at q (n,)."""
@@ -50,9 +51,11 @@ class SpringTerm:
     """1/2 stiffness (length - rest)^2."""
 
     square: Form
-    """The squared length."""
+    """The squared length [m^2]."""
     stiffness: float
+    """Stiffness [N/m]."""
     rest: float
+    """Length without force [m]."""
 
     def value(self, q: Array) -> float:
         """Energy [J]."""
@@ -95,11 +98,13 @@ class Turn:
     """The constraint s cos(angle) - c sin(angle)."""
 
     constraint: int
-    """Its index among the constraints."""
+    """Index among the constraints."""
     angle: int
-    """The angle's index among the coordinates."""
+    """Index of the angle among the coordinates."""
     sine: Form
+    """Sine that the directors show."""
     cosine: Form
+    """Cosine that the directors show."""
 
     def value(self, q: Array) -> float:
         """Value of the constraint."""
@@ -109,43 +114,43 @@ class Turn:
     def gradient(self, q: Array) -> Array:
         """Gradient (n,)."""
         angle = q[self.angle]
-        found = self.sine.gradient(q) * cos(angle) - self.cosine.gradient(q) * sin(angle)
-        found[self.angle] -= self.sine.value(q) * sin(angle) + self.cosine.value(q) * cos(angle)
-        return np.asarray(found)
+        result = self.sine.gradient(q) * cos(angle) - self.cosine.gradient(q) * sin(angle)
+        result[self.angle] -= self.sine.value(q) * sin(angle) + self.cosine.value(q) * cos(angle)
+        return np.asarray(result)
 
     def hessian(self, q: Array) -> Array:
         """Second derivatives (n, n)."""
         angle = q[self.angle]
         mixed = self.sine.gradient(q) * sin(angle) + self.cosine.gradient(q) * cos(angle)
-        found = self.sine.hessian * cos(angle) - self.cosine.hessian * sin(angle)
-        found[self.angle] -= mixed
-        found[:, self.angle] -= mixed
-        found[self.angle, self.angle] -= self.value(q)
-        return np.asarray(found)
+        result = self.sine.hessian * cos(angle) - self.cosine.hessian * sin(angle)
+        result[self.angle] -= mixed
+        result[:, self.angle] -= mixed
+        result[self.angle, self.angle] -= self.value(q)
+        return np.asarray(result)
 
     def discrete_gradient(self, q0: Array, q1: Array) -> Array:
         """Discrete gradient (n,)."""
         middle = 0.5 * (q0 + q1)
         mean_cos, mean_sin = _means(q0[self.angle], q1[self.angle])
         slope_cos, slope_sin, *_ = _quotients(q0[self.angle], q1[self.angle])
-        found = mean_cos * self.sine.gradient(middle) - mean_sin * self.cosine.gradient(middle)
-        found[self.angle] += slope_cos * _mean(self.sine, q0, q1)
-        found[self.angle] -= slope_sin * _mean(self.cosine, q0, q1)
-        return np.asarray(found)
+        result = mean_cos * self.sine.gradient(middle) - mean_sin * self.cosine.gradient(middle)
+        result[self.angle] += slope_cos * _mean(self.sine, q0, q1)
+        result[self.angle] -= slope_sin * _mean(self.cosine, q0, q1)
+        return np.asarray(result)
 
     def discrete_slope(self, q0: Array, q1: Array) -> Array:
         """Derivative (n, n) of the discrete gradient by q1."""
         middle, angle = 0.5 * (q0 + q1), q1[self.angle]
         mean_cos, mean_sin = _means(q0[self.angle], angle)
         slope_cos, slope_sin, bend_cos, bend_sin = _quotients(q0[self.angle], angle)
-        found = 0.5 * (mean_cos * self.sine.hessian - mean_sin * self.cosine.hessian)
-        found[:, self.angle] -= 0.5 * sin(angle) * self.sine.gradient(middle)
-        found[:, self.angle] -= 0.5 * cos(angle) * self.cosine.gradient(middle)
-        found[self.angle] += 0.5 * slope_cos * self.sine.gradient(q1)
-        found[self.angle] -= 0.5 * slope_sin * self.cosine.gradient(q1)
-        found[self.angle, self.angle] += bend_cos * _mean(self.sine, q0, q1)
-        found[self.angle, self.angle] -= bend_sin * _mean(self.cosine, q0, q1)
-        return np.asarray(found)
+        result = 0.5 * (mean_cos * self.sine.hessian - mean_sin * self.cosine.hessian)
+        result[:, self.angle] -= 0.5 * sin(angle) * self.sine.gradient(middle)
+        result[:, self.angle] -= 0.5 * cos(angle) * self.cosine.gradient(middle)
+        result[self.angle] += 0.5 * slope_cos * self.sine.gradient(q1)
+        result[self.angle] -= 0.5 * slope_sin * self.cosine.gradient(q1)
+        result[self.angle, self.angle] += bend_cos * _mean(self.sine, q0, q1)
+        result[self.angle, self.angle] -= bend_sin * _mean(self.cosine, q0, q1)
+        return np.asarray(result)
 
 
 def _mean(form: Form, q0: Array, q1: Array) -> float:
