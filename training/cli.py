@@ -9,62 +9,25 @@ A mistake gets one line on stderr and exit status 2.
 """
 
 import contextlib
-import importlib
+import functools
 import io
 import itertools
+import operator
 import sys
 from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import Any
 
 import tyro
-from tyro.conf import subcommand
 
 from ..models.errors import FlatrigError
-from . import options
-
-# What runs each subcommand; its module is imported only then.
-COMMANDS: dict[type, str] = {
-    options.List: "describe.describe_cranes:show_catalogue",
-    options.Analyse: "describe.describe_cranes:show_analysis",
-    options.Solve: "describe.describe_cranes:write_solution",
-    options.Compare: "compare.compare_cranes:main",
-    options.Train: "learn.train:main",
-    options.Bench: "bench.speed:main",
-    options.Accuracy: "bench.accuracy:main",
-    options.Hands: "bench.rolling_accuracy:main",
-    options.Regress: "regress.regression:main",
-    options.Lean: "bench.lean:main",
-    options.Stress: "stress.suite:main",
-    options.Render: "describe.film:main",
-    options.Scenes: "describe.film:write_scenes",
-    options.Reproduce: "reproduce.index:main",
-}
-
-_Command = (
-    Annotated[options.List, subcommand("list")]
-    | Annotated[options.Analyse, subcommand("analyse")]
-    | Annotated[options.Solve, subcommand("solve")]
-    | Annotated[options.Compare, subcommand("compare")]
-    | Annotated[options.Train, subcommand("train")]
-    | Annotated[options.Bench, subcommand("bench")]
-    | Annotated[options.Accuracy, subcommand("accuracy")]
-    | Annotated[options.Regress, subcommand("regress")]
-    | Annotated[options.Lean, subcommand("lean")]
-    | Annotated[options.Stress, subcommand("stress")]
-    | Annotated[options.Hands, subcommand("hands")]
-    | Annotated[options.Render, subcommand("render")]
-    | Annotated[options.Scenes, subcommand("scenes")]
-    | Annotated[options.Reproduce, subcommand("reproduce")]
-)
+from .options import COMMANDS
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one subcommand; returns the exit status."""
-    command = _parse(argv)
-    module, _, function = COMMANDS[type(command)].partition(":")
+    """Run one command; returns the exit status."""
+    options = _parse(argv)
     try:
-        run = getattr(importlib.import_module(f".{module}", __package__), function)
-        return int(run(command) or 0)
+        return COMMANDS[type(options)](options)
     except FlatrigError as error:
         return _fail(str(error))
     except MemoryError:
@@ -81,28 +44,29 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parse(argv: Sequence[str] | None) -> Any:
-    """The subcommand with its options; on a mistake in them, exits with one line."""
-    told = io.StringIO()
+    """The options of the command that is meant; on a mistake in them, exits with one line."""
+    complaint = io.StringIO()
+    any_command: Any = functools.reduce(operator.or_, COMMANDS)
     try:
-        with contextlib.redirect_stderr(told):
+        with contextlib.redirect_stderr(complaint):
             return tyro.cli(
-                _Command,
+                any_command,
                 prog="flatrig",
                 description="Cranes from one description: exact feedforward, MuJoCo, Gymnasium.",
                 args=argv,
                 config=(tyro.conf.FlagCreatePairsOff, tyro.conf.HelptextFromCommentsOff),
             )
-    except SystemExit as leave:
-        if leave.code:
-            _fail(_first_part(told.getvalue()))
+    except SystemExit as ending:
+        if ending.code:
+            _fail(_first_part(complaint.getvalue()))
         raise
 
 
 def _first_part(box: str) -> str:
     """What tyro says in the first compartment of its box, without the frame."""
     lines = [line.strip(" │") for line in box.splitlines() if not line.startswith(("╭", "╰"))]
-    said = list(itertools.takewhile(lambda line: not line.startswith("──"), lines))
-    return " ".join(said) + "; see flatrig --help"
+    first = itertools.takewhile(lambda line: not line.startswith("──"), lines)
+    return " ".join(first) + "; see flatrig --help"
 
 
 def _fail(message: str) -> int:

@@ -24,8 +24,6 @@ def is_file(name: str) -> bool:
 
 def look_up(name: str, changes: Mapping[str, float]) -> tuple[Rig, Move | None]:
     """A rig with its move, from a file or the catalogue; `changes` as for `--set`."""
-    if is_hand(name):
-        raise OptionError(f"{name} is a hand; this command is for cranes only")
     of_parts = {key: value for key, value in changes.items() if "." in key}
     of_rig = {key: value for key, value in changes.items() if "." not in key}
     if is_file(name):

@@ -1,18 +1,19 @@
-"""What the command line asks for: one dataclass for each subcommand, and the rig it is about.
+"""What the command line asks for: one class of options for each command.
 
-Nothing heavy is imported here, so that `flatrig --help` answers at once.
+A command is registered here and nowhere else.  Nothing heavy is imported, so that `flatrig --help`
+answers at once.
 """
 
 import math
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from tyro.conf import Positional, arg
 
-from ..models import Move, Rig, load_move, printed_move
 from ..models.errors import OptionError
-from .look_up import assignments, is_file, look_up
+from .commands import COMMANDS as COMMANDS  # filled below
+from .commands import command
+from .rig_options import RigOptions
 
 MINUTES = 10.0
 """To train for, if nothing else is said."""
@@ -20,63 +21,16 @@ MINUTES = 10.0
 Output = Annotated[str, arg(aliases=("-o",), metavar="PATH")]
 
 
-@dataclass(frozen=True)
-class RigOptions:
-    """The rig, and changes to it and to its move."""
-
-    rig: Positional[str]
-    """Name in the catalogue ("overhead" is short for overhead_crane), or a TOML file."""
-    set: tuple[str, ...] = ()
-    """Numbers of the rig to change: load_mass=80 as in the catalogue, or part.field=value."""
-    move: str = ""
-    """TOML file with another [move], or "printed" for the one of the source that cannot be made."""
-    start: tuple[float, ...] = ()
-    """Start of the move, one number for each output of the rig [m]; a hand's angles [rad]."""
-    goal: tuple[float, ...] = ()
-    """End of the move [m], [rad]."""
-    duration: float | None = None
-    """Duration of the move [s]."""
-    profile: Literal["polynomial", "three_phase"] | None = None
-    """Shape of the move over time."""
-    order: int | None = None
-    """Continuous derivatives of the move."""
-    blend: float | None = None
-    """Duration of each blend of a three-phase move [s]."""
-    turning: Literal["rpy", "axis", "rolling", "spinning"] | None = None
-    """Of a hand's move: how the orientation goes from start to goal."""
-
-    def target(self) -> tuple[Rig, Move]:
-        """The rig and its move, with the changes made.
-
-        Raises
-        ------
-        FlatrigError
-            Something names what does not exist, or has a value it cannot have.
-        """
-        if self.turning:
-            raise OptionError(f"--turning {self.turning} is for hands, {self.rig} is none")
-        rig, move = look_up(self.rig, assignments(self.set))
-        if self.move:
-            move = printed_move(rig) if self.move == "printed" else load_move(self.move)
-        names = ("start", "goal", "duration", "profile", "order", "blend")
-        changes = {name: getattr(self, name) for name in names}
-        changes = {name: value for name, value in changes.items() if value not in (None, ())}
-        if move is None:
-            return rig, Move(**changes)
-        if move.profile == "sampled" and {"start", "goal", "duration"} <= set(changes):
-            changes = {"profile": "polynomial"} | changes
-        return rig, replace(move, **changes)
-
-    def label(self) -> str:
-        """A name for files about this rig."""
-        return Path(self.rig).stem if is_file(self.rig) else look_up(self.rig, {})[0].name
-
-
+@command(".describe.listing:main")
 @dataclass(frozen=True)
 class List:
     """List the rigs of the catalogue with their inputs, outputs and moves."""
 
 
+@command(
+    crane=".describe.describe_cranes:show_analysis",
+    hand=".describe.describe_hands:show_analysis",
+)
 @dataclass(frozen=True)
 class Analyse(RigOptions):
     """Say how often the equations must be differentiated, and whether the move is feasible."""
@@ -89,6 +43,10 @@ class Analyse(RigOptions):
     """Lowest tension of any rope to allow in that duration [N]."""
 
 
+@command(
+    crane=".describe.describe_cranes:write_solution",
+    hand=".describe.describe_hands:write_solution",
+)
 @dataclass(frozen=True)
 class Solve(RigOptions):
     """Compute the inputs that make the load follow its path exactly, and write them as CSV."""
@@ -99,6 +57,10 @@ class Solve(RigOptions):
     """CSV file to write; without one only a summary is printed."""
 
 
+@command(
+    crane=".compare.compare_cranes:main",
+    hand=".compare.compare_hands:main",
+)
 @dataclass(frozen=True)
 class Compare(RigOptions):
     """Set PD, feedforward and residual side by side over many disturbed scenarios."""
@@ -113,6 +75,7 @@ class Compare(RigOptions):
     """Folder for the tables and the figure; results/compare-RIG if left out."""
 
 
+@command(crane=".learn.train:main")
 @dataclass(frozen=True)
 class Train(RigOptions):
     """Train a residual policy on top of feedforward + PD."""
@@ -144,6 +107,7 @@ class Train(RigOptions):
         return min(1.0, seconds / (60.0 * (self.minutes or MINUTES)))
 
 
+@command(".bench.speed:main")
 @dataclass(frozen=True)
 class Bench:
     """Measure the solver, the environments and the accuracy in MuJoCo on this machine."""
@@ -167,11 +131,13 @@ class Bench:
     """Keep what an interrupted run has left in that folder."""
 
 
+@command(".bench.accuracy:main")
 @dataclass(frozen=True)
 class Accuracy:
     """Say how far exact feedforward lands from its path in MuJoCo, for every crane."""
 
 
+@command(".regress.regression:main")
 @dataclass(frozen=True)
 class Regress:
     """Run every crane with every integrator of MuJoCo, and compare with the stored numbers."""
@@ -188,59 +154,13 @@ class Regress:
     """Write the numbers to that file instead of comparing them."""
 
 
+@command(".bench.lean:main")
 @dataclass(frozen=True)
 class Lean:
     """Say what every scene carries, what it costs, and what was left out."""
 
 
-@dataclass(frozen=True)
-class Hands:
-    """Say how well contacts of rolling hands roll and hold in MuJoCo."""
-
-    name: Positional[str] = ""
-    """Hand of the catalogue; all if left out."""
-    output: Output = ""
-    """Film one hand's motion instead, as GIF or MP4."""
-
-
-@dataclass(frozen=True)
-class Render(RigOptions):
-    """Film the move, driven by exact feedforward, without a display."""
-
-    output: Output = ""
-    """GIF or MP4 to write, or PNG for three pictures in a row; results/RIG.gif if left out."""
-    camera: str = "overview"
-    """Camera of the scene."""
-    width: int = 640
-    """[pixels]"""
-    height: int = 480
-    """[pixels]"""
-    fps: float = 25.0
-    """Frames per second."""
-
-
-@dataclass(frozen=True)
-class Scenes:
-    """Write the MuJoCo scenes of the catalogue as XML."""
-
-    output: Output = ""
-    """Folder to write to; the package's own models/ if left out."""
-
-
-@dataclass(frozen=True)
-class Reproduce:
-    """Compute figures and claims of the sources anew; without a name, list them."""
-
-    name: Positional[str] = ""
-    """Name of the figure ("K3.21"), or "all"."""
-    list: bool = False
-    """List what there is instead."""
-    output: Output = ""
-    """Folder for figures and tables; results/reproduce if left out."""
-    page: str = ""
-    """Markdown file to write instead, with small pictures, tables, and what differs from print."""
-
-
+@command(".stress.suite:main")
 @dataclass(frozen=True)
 class Stress:
     """Run stiff and extreme cases, each of which must end as it is told to."""
@@ -257,6 +177,58 @@ class Stress:
     """Folder for the table; results/stress if left out."""
     resume: bool = False
     """Keep what an interrupted run has left in that folder."""
+
+
+@command(".bench.rolling_accuracy:main")
+@dataclass(frozen=True)
+class Hands:
+    """Say how well contacts of rolling hands roll and hold in MuJoCo."""
+
+    name: Positional[str] = ""
+    """Hand of the catalogue; all if left out."""
+    output: Output = ""
+    """Film one hand's motion instead, as GIF or MP4."""
+
+
+@command(crane=".describe.film:main")
+@dataclass(frozen=True)
+class Render(RigOptions):
+    """Film the move, driven by exact feedforward, without a display."""
+
+    output: Output = ""
+    """GIF or MP4 to write, or PNG for three pictures in a row; results/RIG.gif if left out."""
+    camera: str = "overview"
+    """Camera of the scene."""
+    width: int = 640
+    """[pixels]"""
+    height: int = 480
+    """[pixels]"""
+    fps: float = 25.0
+    """Frames per second."""
+
+
+@command(".describe.film:write_scenes")
+@dataclass(frozen=True)
+class Scenes:
+    """Write the MuJoCo scenes of the catalogue as XML."""
+
+    output: Output = ""
+    """Folder to write to; the package's own models/ if left out."""
+
+
+@command(".reproduce.index:main")
+@dataclass(frozen=True)
+class Reproduce:
+    """Compute figures and claims of the sources anew; without a name, list them."""
+
+    name: Positional[str] = ""
+    """Name of the figure ("K3.21"), or "all"."""
+    list: bool = False
+    """List what there is instead."""
+    output: Output = ""
+    """Folder for figures and tables; results/reproduce if left out."""
+    page: str = ""
+    """Markdown file to write instead, with small pictures, tables, and what differs from print."""
 
 
 def check_number(

@@ -14,11 +14,13 @@ class JointForces(NamedTuple):
     """What the hand's motors have to give."""
 
     names: tuple[str, ...]
-    """"FINGER.slideK" [N], then "FINGER.turnK" [N m] for the axes of its tip, finger by finger."""
+    """"FINGER.slideK", then "FINGER.turnK" for the axes of its tip, finger by finger."""
     values: Array
     """Shape (N, names)."""
     limits: Array
     """Of the motors, shape (names,)."""
+    units: tuple[str, ...]
+    """[N] of a slide, [N m] of a turn."""
 
 
 def joint_forces(motion: HandMotion, forces: ContactForces) -> JointForces:
@@ -27,7 +29,7 @@ def joint_forces(motion: HandMotion, forces: ContactForces) -> JointForces:
     A finger feels the reaction -f of its force on the object, as in K 2.68; the minus sign in
     K 2.51 turns it round in 2.50 and 2.62.
     """
-    names, columns, limits = [], [], []
+    names, columns, limits, units = [], [], [], []
     gravity = np.array(motion.hand.gravity)
     for i, finger in enumerate(motion.hand.fingers):
         force = forces.values[:, i]
@@ -36,6 +38,7 @@ def joint_forces(motion: HandMotion, forces: ContactForces) -> JointForces:
             names.append(f"{finger.name}.slide{k}")
             columns.append((mass * moving + force) @ np.array(slide))
             limits.append(finger.force_limit)
+            units.append("N")
         if isinstance(finger.surface, Tip):
             arm = finger.surface.radius * motion.normals[:, i]
             torque = finger.surface.inertia * motion.tip_accelerations[:, i] - np.cross(arm, force)
@@ -43,4 +46,5 @@ def joint_forces(motion: HandMotion, forces: ContactForces) -> JointForces:
                 names.append(f"{finger.name}.turn{k}")
                 columns.append(torque @ np.array(axis))
                 limits.append(finger.surface.torque_limit)
-    return JointForces(tuple(names), np.stack(columns, axis=1), np.array(limits))
+                units.append("N m")
+    return JointForces(tuple(names), np.stack(columns, axis=1), np.array(limits), tuple(units))

@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,8 @@ import pytest
 from flatrig import feedforward, models
 from flatrig.models.files import replacing
 from flatrig.training.cli import main
+from flatrig.training.commands import COMMANDS, command
+from flatrig.training.rig_options import RigOptions
 
 MY_CRANE = """
 rig = "overhead"
@@ -214,9 +217,44 @@ def test_help_is_quick_and_complete() -> None:
         [sys.executable, "-X", "importtime", "-m", "flatrig.training.cli", "--help"],
         capture_output=True, text=True, check=True,
     )  # fmt: skip
-    for command in ("list", "analyse", "solve", "compare", "train", "bench", "render"):
-        assert command in done.stdout
+    for name in ("list", "analyse", "solve", "compare", "train", "bench", "render"):
+        assert name in done.stdout
     loaded = {
         line.rpartition("|")[2].strip().partition(".")[0] for line in done.stderr.splitlines()
     }
     assert not loaded & {"mujoco", "gymnasium", "matplotlib", "torch", "scipy"}
+
+
+GREET = """
+def crane(options):
+    print(f"{options.times} x {options.target()[0].name}")
+
+def hand(options):
+    print(f"{options.times} x {options.hand_target()[0].name}")
+"""
+
+
+def test_a_command_is_its_options_and_a_function(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """How to add a command: a registered class in `options`, and what it names in a file."""
+    (tmp_path / "greetings.py").write_text(GREET)
+    monkeypatch.syspath_prepend(tmp_path)
+
+    @command(crane="greetings:crane", hand="greetings:hand")
+    @dataclass(frozen=True)
+    class Greet(RigOptions):
+        """Greet a rig."""
+
+        times: int = 1
+        """How often."""
+
+    with monkeypatch.context() as patch:
+        patch.setitem(COMMANDS, Greet, COMMANDS.pop(Greet))
+        with pytest.raises(SystemExit):
+            main(["--help"])
+        assert re.search(r"greet +Greet a rig\.", capsys.readouterr().out)
+        assert "greetings" not in sys.modules  # loaded only when it runs
+        assert main(["greet", "overhead", "--times", "3"]) == 0
+        assert main(["greet", "two-finger"]) == 0
+        assert capsys.readouterr().out == "3 x overhead_crane\n1 x two_finger_hand\n"

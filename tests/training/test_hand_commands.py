@@ -179,10 +179,8 @@ def test_table_has_rows_of_kisss(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_a_hand_takes_the_options_that_it_can() -> None:
-    from flatrig.training.describe.describe_hands import target
-
     command = Analyse("ball-on-plate", set=("spin=0", "radius=0.1"), turning="axis", duration=3.0)
-    hand, move = target(command)
+    hand, move = command.hand_target()
     assert (hand.spin, hand.held.radius) == (False, 0.1)
     assert (move.turning, move.duration) == ("axis", 3.0)
     assert move.goal == figures_k2.default_hand_move(hand).goal

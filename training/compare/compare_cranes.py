@@ -22,7 +22,6 @@ from ...models.errors import OptionError
 from ...models.types import Array
 from .. import options
 from ..console import console
-from ..look_up import is_hand
 from ..policy import Policy, shipped
 from .metrics import Metrics, Record, between, measure
 
@@ -145,11 +144,6 @@ def carried(rig: Rig) -> tuple[list[int], list[int]]:
 
 def main(command: options.Compare) -> None:
     """Compare, print the table, and save tables and figure."""
-    if is_hand(command.rig):
-        from . import compare_hands
-
-        compare_hands.main(command)
-        return
     from .report import make_folder, show, write
 
     rig, move = command.target()

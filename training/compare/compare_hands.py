@@ -36,7 +36,6 @@ from ...models.files import replacing, write_text
 from ...models.types import Array
 from .. import options
 from ..console import console, table, warning
-from ..describe.describe_hands import target
 from .compare_cranes import BASE, EVALUATION_SEED, RESIDUAL
 from .metrics import RESAMPLES, estimates
 from .report import make_folder
@@ -93,9 +92,7 @@ def main(command: options.Compare) -> None:
     """Compare, print the table, and save tables and figure."""
     from .. import plots
 
-    hand, move = target(command)
-    if command.policy:
-        raise OptionError(f"--policy is for cranes, {command.rig} is a hand")
+    hand, move = command.hand_target()
     if command.scenarios < 1:
         raise OptionError(f"--scenarios is {command.scenarios}, it must be >= 1")
     if command.duration is None:

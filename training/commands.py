@@ -1,0 +1,66 @@
+"""The commands of `flatrig`, each registered once, on the class of its options.
+
+    @command(".bench.lean:main")
+    @dataclass(frozen=True)
+    class Lean:
+        "Say what every scene carries, what it costs, and what was left out."
+
+The class's name in lower case is the command's, its docstring the help, its fields the options.
+Behind the colon stands the function that takes these options; its module, relative to this package
+if its name begins with a dot, is imported only when the command runs.  A command about one crane
+or hand names a function for each, and this is the one place that tells them apart:
+
+    @command(crane=".describe.describe_cranes:show_analysis", hand=".describe.describe_hands:...")
+    @dataclass(frozen=True)
+    class Analyse(RigOptions): ...
+"""
+
+import importlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from ..models.errors import OptionError
+from .look_up import is_hand
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Command:
+    """Where the function stands that runs a command, as "module:function"."""
+
+    main: str = ""
+    """For a command that is not about one crane or hand."""
+    crane: str = ""
+    """For a command about one crane."""
+    hand: str = ""
+    """The same about one hand; "" if the command is for cranes only."""
+
+    def __call__(self, options: Any) -> int:
+        """Run the command; returns the exit status.
+
+        Raises
+        ------
+        OptionError
+            A hand is named, and the command is for cranes only.
+        """
+        place = self.main or (self.hand if is_hand(options.rig) else self.crane)
+        if not place:
+            raise OptionError(f"{options.rig} is a hand; this command is for cranes only")
+        module, _, function = place.partition(":")
+        return int(getattr(importlib.import_module(module, __package__), function)(options) or 0)
+
+
+COMMANDS: dict[type, Command] = {}
+"""Every command by the class of its options, in the order in which help lists them."""
+
+
+def command(main: str = "", *, crane: str = "", hand: str = "") -> Callable[[type[T]], type[T]]:
+    """Register a class of options as a command; see `Command` for the parameters."""
+
+    def register(options: type[T]) -> type[T]:
+        COMMANDS[options] = Command(main, crane, hand)
+        return options
+
+    return register

@@ -1,0 +1,25 @@
+"""`flatrig list`: the cranes and hands of the catalogues."""
+
+from ...feedforward import driven_unit
+from ...models import CATALOGUE, HAND_CATALOGUE, default_hand_move, default_move, make, make_hand
+from .. import options
+from ..console import console, table
+from .describe_hands import angles
+from .summary import point
+
+
+def main(_: options.List) -> None:
+    """Print a table of the cranes and one of the hands."""
+    cranes = table("Rigs", "name", "inputs", "outputs", "move [m, rad]", right=False)
+    for name in CATALOGUE:
+        rig, move = make(name), default_move(name)
+        inputs = [f"{drive.name} [{driven_unit(rig, drive)}]" for drive in rig.drives]
+        ends = f"{point(move.start)} to {point(move.goal)} in {move.duration:g} s"
+        cranes.add_row(name, ", ".join(inputs), ", ".join(rig.outputs), ends)
+    hands = table("Hands", "name", "object", "fingers", "move", right=False)
+    for name in HAND_CATALOGUE:
+        hand = make_hand(name)
+        thing = f"{hand.held.shape} of {hand.held.mass:g} kg"
+        hands.add_row(name, thing, ", ".join(hand.finger_names), angles(default_hand_move(name)))
+    for rows in (cranes, hands):
+        console().print(rows)

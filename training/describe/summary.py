@@ -1,0 +1,81 @@
+"""What summaries of a move have in common, of a crane as of a hand."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from rich.table import Table
+from rich.text import Text
+
+from ...models.errors import OptionError
+from ...models.types import Array
+from ..console import console, table, warning
+from ..options import check_number
+
+RANGE = ("start", "end", "lowest", "highest")
+"""Headings of the cells that `range_cells` makes."""
+
+
+def sample_times(duration: float, rate: float, most: int) -> Array:
+    """Instants from 0 to the end of a path [s], both ends included, shape (N,).
+
+    Parameters
+    ----------
+    duration
+        Duration of the path [s].
+    rate
+        Samples per second [Hz].
+    most
+        Largest N.
+
+    Raises
+    ------
+    OptionError
+        The rate is not a finite number > 0, or makes too many samples.
+    """
+    check_number("--rate", rate, unit="Hz")
+    if duration * rate > most:
+        raise OptionError(
+            f"--rate is {rate:g} Hz, which makes {duration * rate:.3g} samples; "
+            f"it must be <= {most / duration:g} Hz"
+        )
+    # The last whole period must not be lost to rounding, nor the end be there twice.
+    times = np.arange(int(duration * rate * (1 + 1e-12)) + 1) / rate
+    if duration - times[-1] > 1e-9 * duration:
+        times = np.append(times, duration)
+    return times
+
+
+def facts(title: str, rows: Iterable[tuple[str, ...]], *, right: bool = False) -> Table:
+    """A table without headings."""
+    rows = list(rows)
+    facts = table(title, *[""] * len(rows[0]), right=right)
+    facts.show_header = False
+    for row in rows:
+        facts.add_row(*row)
+    return facts
+
+
+def range_cells(values: Array, digits: int = 5) -> tuple[str, ...]:
+    """First, last, lowest and highest of some values (N,), without rounding's noise about 0."""
+    numbers = (values[0], values[-1], values.min(), values.max())
+    return tuple(f"{number + 0.0:.{digits}g}" for number in np.round(numbers, 9))  # no "-0"
+
+
+def add_input(rows: Table, label: str, values: Array, limit: float) -> bool:
+    """Add the range of an input (N,) beside its limit; returns whether it stays within."""
+    within = bool(np.abs(values).max() <= limit)
+    note: Text | str = "" if within else warning("beyond its limit")
+    rows.add_row(label, *range_cells(values), f"±{limit:.5g}", note)
+    return within
+
+
+def point(values: Iterable[float], digits: int = 6) -> str:
+    """Some numbers as a point, "(5, -1)"."""
+    return f"({', '.join(f'{value:.{digits}g}' for value in values)})"
+
+
+def show_verdict(feasible: bool) -> None:
+    """Print whether a move can be made."""
+    console().print(
+        "The move is feasible." if feasible else warning("The move is not feasible."),
+    )

@@ -1,0 +1,110 @@
+"""The rig that a command is about, and the changes to it and to its move."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
+
+from tyro.conf import Positional
+
+from ..models import (
+    PRINTED_HAND_MOVES,
+    Hand,
+    HandMove,
+    Move,
+    Rig,
+    default_hand_move,
+    full_name,
+    load_move,
+    make_hand,
+    printed_move,
+)
+from ..models.errors import OptionError
+from .look_up import assignments, is_file, look_up
+
+FOR_CRANES = ("profile", "blend", "equations", "shortest", "margin", "policy")
+"""Options that a hand has no use for."""
+
+
+@dataclass(frozen=True)
+class RigOptions:
+    """The rig, and changes to it and to its move."""
+
+    rig: Positional[str]
+    """Name in the catalogue ("overhead" is short for overhead_crane), or a TOML file."""
+    set: tuple[str, ...] = ()
+    """Numbers of the rig to change: load_mass=80 as in the catalogue, or part.field=value."""
+    move: str = ""
+    """TOML file with another [move], or "printed" for the one of the source that cannot be made."""
+    start: tuple[float, ...] = ()
+    """Start of the move, one number for each output of the rig [m]; a hand's angles [rad]."""
+    goal: tuple[float, ...] = ()
+    """End of the move [m], [rad]."""
+    duration: float | None = None
+    """Duration of the move [s]."""
+    profile: Literal["polynomial", "three_phase"] | None = None
+    """Shape of the move over time."""
+    order: int | None = None
+    """Continuous derivatives of the move."""
+    blend: float | None = None
+    """Duration of each blend of a three-phase move [s]."""
+    turning: Literal["rpy", "axis", "rolling", "spinning"] | None = None
+    """Of a hand's move: how the orientation goes from start to goal."""
+
+    def target(self) -> tuple[Rig, Move]:
+        """The crane and its move, with the changes made.
+
+        Raises
+        ------
+        FlatrigError
+            Something names what does not exist, or has a value it cannot have.
+        """
+        if self.turning:
+            raise OptionError(f"--turning {self.turning} is for hands, {self.rig} is none")
+        rig, move = look_up(self.rig, assignments(self.set))
+        if self.move:
+            move = printed_move(rig) if self.move == "printed" else load_move(self.move)
+        changes = self._changes("start", "goal", "duration", "profile", "order", "blend")
+        if move is None:
+            return rig, Move(**changes)
+        if move.profile == "sampled" and {"start", "goal", "duration"} <= set(changes):
+            changes = {"profile": "polynomial"} | changes
+        return rig, replace(move, **changes)
+
+    def hand_target(self) -> tuple[Hand, HandMove]:
+        """The hand and its move, with the changes made.
+
+        Raises
+        ------
+        FlatrigError
+            Something names what does not exist, or has a value it cannot have.
+        """
+        for name in FOR_CRANES:
+            if getattr(self, name, None):
+                raise OptionError(f"--{name} is for cranes, {self.rig} is a hand")
+        values: dict[str, float | bool] = {**assignments(self.set)}
+        if "spin" in values:
+            values["spin"] = bool(values["spin"])
+        hand = make_hand(self.rig, **values)
+        move = _printed_move(hand, self.move) if self.move else default_hand_move(hand)
+        return hand, replace(move, **self._changes("start", "goal", "duration", "order", "turning"))
+
+    def _changes(self, *names: str) -> dict[str, Any]:
+        """The options among `names` that are given, which are fields of the move."""
+        values = {name: getattr(self, name) for name in names}
+        return {name: value for name, value in values.items() if value not in (None, ())}
+
+    def label(self) -> str:
+        """A name for files about this rig."""
+        return Path(self.rig).stem if is_file(self.rig) else full_name(self.rig)
+
+
+def _printed_move(hand: Hand, name: str) -> HandMove:
+    if name != "printed":
+        raise OptionError(
+            f"--move is {name!r}, for a hand it can only be printed; change its move with "
+            "--start, --goal, --duration, --order and --turning"
+        )
+    if hand.name not in PRINTED_HAND_MOVES:
+        known = " and ".join(PRINTED_HAND_MOVES)
+        raise OptionError(f"hand {hand.name} has no printed move that it cannot make, only {known}")
+    return PRINTED_HAND_MOVES[hand.name]
