@@ -9,11 +9,11 @@ Example::
 """
 
 from .dae import Integration, integrate
-from .exact.assembly import equations_of
 from .exact.equations import Equations, redundant
 from .exact.inverse import solve
 from .exact.motion import Motion, Slack
-from .exact.structure import Analysis, analyse
+from .exact.problem import analyse, equations_of
+from .exact.structure import Analysis
 from .exact.verification import residuals
 from .paths.curves import Curve, CurvedPath, Polynomial, Waypoints, along, over
 from .paths.profiles import Profile, RestToRest, ThreePhase

@@ -24,9 +24,8 @@ import numpy as np
 from ...models.errors import RigError
 from ...models.rig.rig import Rig
 from ...models.types import Array
-from ..exact.assembly import equations_of
 from ..exact.equations import Equations
-from ..exact.servo import servo_of
+from ..exact.problem import Problem, problem_of
 
 Kind = Literal["redundant", "dependent", "minimal"]
 
@@ -194,10 +193,11 @@ def coordinates_of(rig: Rig, kind: Kind) -> Coordinates:
     RigError
         The rig has no such coordinates, and why.
     """
-    e = equations_of(rig)
+    problem = problem_of(rig)
+    e = problem.equations
     every = tuple(range(len(e.constraint_names)))
     if kind == "redundant":
-        servo = servo_of(rig)
+        servo = problem.servo
         kept = tuple(k for k in every if k not in servo.implied)
         matrix = np.zeros((len(servo.rows), len(e.names)))
         for i, terms in enumerate(servo.rows):
@@ -206,7 +206,7 @@ def coordinates_of(rig: Rig, kind: Kind) -> Coordinates:
         return Coordinates(e, kind, e.names, (), (), every, kept, matrix)
     by_angles = {e.constraint_names.index(f"{name[:-6]}.unit") for name, *_ in e.turning}
     by_angles |= {k for orientation in e.orientations for k in orientation.constraints}
-    kept = () if kind == "minimal" else _with_outputs(e, by_angles)
+    kept = () if kind == "minimal" else _with_outputs(problem, by_angles)
     eliminated = tuple(k for k in every if k not in by_angles and k not in kept)
     implicit = tuple(_determined(e, k) for k in eliminated)
     hidden = {e.names[i] for i in implicit}
@@ -222,11 +222,13 @@ def coordinates_of(rig: Rig, kind: Kind) -> Coordinates:
     return Coordinates(e, kind, names, eliminated, implicit, kept, kept, matrix)
 
 
-def _with_outputs(e: Equations, implied: set[int]) -> tuple[int, ...]:
+def _with_outputs(problem: Problem, implied: set[int]) -> tuple[int, ...]:
     """Constraints that contain an output."""
-    prescribed = sorted({j for terms in servo_of(e.rig).rows for _, j in terms})
+    prescribed = sorted({j for terms in problem.servo.rows for _, j in terms})
     return tuple(
-        k for k, matrix in enumerate(e.constraints) if k not in implied and matrix[prescribed].any()
+        k
+        for k, matrix in enumerate(problem.equations.constraints)
+        if k not in implied and matrix[prescribed].any()
     )
 
 

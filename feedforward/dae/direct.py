@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...models.types import Array
-from ..exact.structure import analyse
+from ..exact.problem import analyse
 from .formulation import Evaluated, unknown_names
 from .mechanics import Forces, Mechanics
 

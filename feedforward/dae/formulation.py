@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...models.types import Array
-from ..exact.branch import taylor_of
-from ..exact.servo import prescribe
-from ..paths.reference import Reference
+from ..exact.problem import problem_of
+from ..paths.reference import Reference, taylor_of
 from .coordinates import Coordinates
 from .mechanics import Mechanics
 
@@ -61,7 +60,8 @@ def prescribed(
     instants = np.asarray(times, dtype=float)
     if coordinates.kind != "redundant":
         return np.asarray(reference.derivatives(instants, order))
-    taylor = prescribe(coordinates.rig, taylor_of(reference, instants, order))
+    servo = problem_of(coordinates.rig).servo
+    taylor = servo.prescribe(taylor_of(reference, instants, order))
     factorials = [math.factorial(i) for i in range(order + 1)]
     return np.asarray(taylor * np.array(factorials, dtype=float)[:, None, None])
 

@@ -7,8 +7,7 @@ import numpy as np
 from ...models.errors import OptionError, did_you_mean
 from ...models.rig.rig import Rig
 from ..checks import as_number
-from ..exact.branch import accept_columns
-from ..exact.refusal import off_rails, reversal
+from ..exact.refusal import accept_columns, off_rails, reversal
 from ..paths.reference import Reference
 from .formulation import Formulation, prescribed
 from .methods import SCHEMES

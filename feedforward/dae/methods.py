@@ -8,7 +8,7 @@ from scipy.linalg import null_space
 
 from ...models.errors import OptionError, RigError, did_you_mean
 from ...models.rig.rig import Rig
-from ..exact.structure import analyse
+from ..exact.problem import analyse
 from .coordinates import Kind, coordinates_of
 from .direct import Direct
 from .extension import Extension

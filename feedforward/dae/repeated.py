@@ -18,7 +18,8 @@ from functools import cached_property
 import numpy as np
 
 from ...models.types import Array
-from ..exact.structure import Analysis, Row, analyse
+from ..exact.problem import analyse
+from ..exact.structure import Analysis, Row
 from .formulation import Evaluated
 from .mechanics import Mechanics
 

@@ -12,6 +12,7 @@ from ...models.errors import PathError
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..exact.branch import branch_of
+from ..exact.problem import problem_of
 from ..paths.reference import Reference, hold
 from ..series.rotation import bryant
 from .direct import Direct
@@ -50,7 +51,7 @@ def at_rest(equations: Formulation, reference: Reference) -> Array:
 
 def start_angles(rig: Rig, reference: Reference) -> dict[str, float]:
     """Angles of the turning frames at the start of a path [rad], full turns counted."""
-    branch = branch_of(rig, hold(reference.start))
+    branch = branch_of(problem_of(rig), hold(reference.start))
     return {name: float(angles[0]) for name, angles in branch.angles.items()}
 
 
@@ -58,7 +59,7 @@ def _guess(direct: Direct, reference: Reference) -> Array:
     """Coordinates, multipliers and inputs of the exact rest."""
     coordinates = direct.mechanics.coordinates
     e = coordinates.equations
-    branch = branch_of(coordinates.rig, hold(reference.start))
+    branch = branch_of(problem_of(coordinates.rig), hold(reference.start))
     n, m = len(e.names), len(e.constraint_names)
     q, multipliers, inputs = np.split(branch.values[:, 0], [n, n + m])
     values = dict(zip(e.names, q, strict=True))

@@ -1,27 +1,16 @@
 """Assembles the equations of motion of a rig from its parts."""
 
-from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
 
-from ...models.errors import RigError
 from ...models.rig.rig import WORLD, Frame, Load, Platform, Rig, Rope, Trolley
 from ...models.types import Array
 from .equations import Equations, Orientation
 
 
-@lru_cache(maxsize=256)
-def equations_of(rig: Rig) -> Equations:
-    """The equations of motion of a rig; made once for each rig.
-
-    Raises
-    ------
-    RigError
-        It is no rig.
-    """
-    if not isinstance(rig, Rig):
-        raise RigError(f"rig is {rig!r}, it must be a Rig; models.make(name) makes one")
+def assemble(rig: Rig) -> Equations:
+    """The equations of motion of a rig."""
     return _Builder(rig).build()
 
 

@@ -12,14 +12,13 @@ from ...models.errors import PathError
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..checks import check_times
-from ..paths.reference import Reference
+from ..paths.reference import Reference, taylor_of
 from ..series.rotation import bryant
-from .assembly import equations_of
-from .branch import Branch, branch_of, taylor_of
+from .branch import Branch, branch_of
 from .equations import Equations
 from .motion import Motion, find_slack
+from .problem import problem_of
 from .refusal import failure, stay_on_rails
-from .servo import prescribe
 from .taylor import Solution, expand
 
 
@@ -63,28 +62,22 @@ def solve(rig: Rig, reference: Reference, times: ArrayLike) -> Motion:
     if not np.isfinite(instants).all():
         i = int(np.flatnonzero(~np.isfinite(instants))[0])
         raise PathError(f"time {i} is {instants[i]}, it must be finite")
-    branch = branch_of(rig, reference)
-    taylor = taylor_of(reference, instants, branch.order)
+    problem = problem_of(rig)
+    branch = branch_of(problem, reference)
+    taylor = taylor_of(reference, instants, problem.order)
     guess = branch.near(instants)
-    given = prescribe(rig, taylor)
-    solution = expand(branch.steps, len(guess), given, guess, follow=False, sides=branch.signs)
-    error = failure(rig, branch.analysis, solution, branch.signs, instants, taylor[0])
+    solution = expand(problem, taylor, guess, follow=False, sides=branch.signs)
+    error = failure(problem, solution, branch.signs, instants, taylor[0])
     if error is not None:
         raise error
-    motion = _motion(rig, equations_of(rig), solution, instants, branch, taylor)
+    motion = _motion(branch, solution, instants, taylor)
     stay_on_rails(rig, motion.coordinate_names, motion.positions.T, instants)
     return motion
 
 
-def _motion(
-    rig: Rig,
-    equations: Equations,
-    solution: Solution,
-    times: Array,
-    branch: Branch,
-    taylor: Array,
-) -> Motion:
+def _motion(branch: Branch, solution: Solution, times: Array, taylor: Array) -> Motion:
     """Name the results."""
+    rig, equations = branch.problem.rig, branch.problem.equations
     n, m = len(equations.names), len(equations.constraint_names)
     series = solution.series
     state = np.array([[w[0], w[1], 2.0 * w[2]] for w in series[:n]])
@@ -94,7 +87,7 @@ def _motion(
     for name, cos, sin in equations.turning:
         near = np.interp(at, branch.times, branch.angles[name])
         columns[name] = turning_angle(state[cos], state[sin], near)
-    columns |= _bryant_angles(rig, equations, state, taylor)
+    columns |= _bryant_angles(equations, state, taylor)
     directors = {i for _, *pair in equations.turning for i in pair}
     directors |= {i for orientation in equations.orientations for i in orientation.directors}
     auxiliary = [name for i, name in enumerate(equations.names) if i not in directors]
@@ -117,10 +110,11 @@ def _motion(
     )
 
 
-def _bryant_angles(rig: Rig, equations: Equations, state: Array, taylor: Array) -> dict[str, Array]:
+def _bryant_angles(equations: Equations, state: Array, taylor: Array) -> dict[str, Array]:
     """Bryant angles of the platforms with two derivatives, (3, N) each: as prescribed, or else
     from the directors.
     """
+    rig = equations.rig
     factorials = np.array([1.0, 1.0, 2.0])[:, None]
     found = {}
     for orientation in equations.orientations:

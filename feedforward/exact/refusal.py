@@ -4,17 +4,67 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...models.errors import PathError
+from ...models.errors import PathError, RigError, SmoothnessError
 from ...models.rig.rig import Rig
 from ...models.types import Array
+from ..paths.reference import Reference
+from ..paths.turning import FixedAxis
 from .equations import Equations
-from .structure import Analysis
+from .problem import Problem
 from .taylor import Solution
 
 NAMED = 3
 """Unknowns that a refusal names."""
 RAIL_TOLERANCE = 1e-9
 """How far past the end of a rail a trolley may be through rounding [m]."""
+
+
+def accept(problem: Problem, reference: Reference) -> None:
+    """Refuse a rig that is not flat and a reference of the wrong kind.
+
+    Raises
+    ------
+    RigError, SmoothnessError, PathError
+        As `feedforward.solve`.
+    """
+    rig, analysis = problem.rig, problem.analysis
+    if not analysis.flat:
+        raise RigError(
+            f"rig {rig.name} is not flat: its outputs leave {analysis.degrees_of_freedom} "
+            "degrees of freedom undetermined"
+        )
+    accept_columns(rig, reference)
+    if reference.order < analysis.reference_order:
+        raise SmoothnessError(
+            f"the reference has {reference.order} continuous derivatives, rig {rig.name} "
+            f"needs {analysis.reference_order}"
+        )
+
+
+def accept_columns(rig: Rig, reference: Reference) -> None:
+    """Refuse a reference whose columns are not the rig's outputs.
+
+    Raises
+    ------
+    PathError
+        It has more or fewer, or turns something that is no platform, or is no path.
+    """
+    if not hasattr(reference, "derivatives"):
+        raise PathError(
+            f"the reference is a {type(reference).__name__}, it must be a path; from_move makes one"
+        )
+    if reference.size != len(rig.outputs):
+        raise PathError(
+            f"the reference has {reference.size} columns, rig {rig.name} needs "
+            f"{len(rig.outputs)}: {', '.join(rig.outputs)}"
+        )
+    if isinstance(reference, FixedAxis):
+        turned = tuple(rig.outputs[column] for column in reference.columns)
+        if turned not in [platform.angles for platform in rig.platforms]:
+            raise PathError(
+                f"the path turns {', '.join(turned)} of rig {rig.name} about one axis, these must "
+                "be the angles alpha, beta and gamma of a platform"
+            )
 
 
 def first_wrong(solution: Solution, signs: dict[int, float], times: Array) -> int | None:
@@ -29,8 +79,7 @@ def first_wrong(solution: Solution, signs: dict[int, float], times: Array) -> in
 
 
 def failure(
-    rig: Rig,
-    analysis: Analysis,
+    problem: Problem,
     solution: Solution,
     signs: dict[int, float],
     times: Array,
@@ -41,6 +90,7 @@ def failure(
     first = first_wrong(solution, signs, times)
     if first is None:
         return None
+    rig, analysis = problem.rig, problem.analysis
     guilty = [
         block
         for block, (_, unknowns) in enumerate(analysis.blocks)

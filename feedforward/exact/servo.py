@@ -7,17 +7,24 @@ satisfy by themselves, their unit lengths and right angles, is then no equation 
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from ...models.errors import RigError
-from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..series.rotation import matrix, sine_cosine
-from .assembly import equations_of
+from .equations import Equations
 
 Terms = tuple[tuple[float, int], ...]
+
+
+class Source(NamedTuple):
+    """The columns of a reference that one row, or a group of rows, prescribes."""
+
+    kind: Literal["terms", "frame", "platform"]
+    """A weighted sum of coordinates; the angle of a frame; the Bryant angles of a platform."""
+    columns: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -27,19 +34,43 @@ class Servo:
     names: tuple[str, ...]
     rows: tuple[Terms, ...]
     """(a, j) of each row."""
-    sources: tuple[tuple[int, ...], ...]
-    """For each row, or group of rows in one frame or platform, the reference's columns."""
+    sources: tuple[Source, ...]
+    """Where the values of the rows come from, in their order: one row for terms, two for a
+    frame (cosine and sine), nine for a platform (director by director)."""
     implied: frozenset[int]
     """Constraints of the equations that hold by themselves once angles are prescribed."""
 
-    @property
-    def plain(self) -> bool:
-        """Whether the reference's columns are the prescribed values."""
-        return not self.implied
+    def prescribe(self, taylor: Array) -> Array:
+        """Right-hand sides of the servo constraints from a reference.
+
+        Parameters
+        ----------
+        taylor
+            Taylor coefficients of the reference, shape (orders, N, outputs).
+
+        Returns
+        -------
+        Array
+            Their Taylor coefficients, shape (orders, N, servo constraints).
+        """
+        if not self.implied:  # the reference's columns are the prescribed values
+            return taylor
+        values: list[Array] = []
+        for kind, columns in self.sources:
+            if kind == "platform":
+                rotation = matrix(taylor[..., columns])
+                # Director by director: the columns of R one after the other.
+                directors = np.moveaxis(rotation, (-1, -2), (0, 1))
+                values += list(directors.reshape(9, *taylor.shape[:2]))
+            elif kind == "frame":
+                sin, cos = sine_cosine(taylor[..., columns[0]])
+                values += [cos, sin]
+            else:
+                values.append(taylor[..., columns[0]])
+        return np.stack(values, axis=-1)
 
 
-@lru_cache(maxsize=256)
-def servo_of(rig: Rig) -> Servo:
+def servo_constraints(equations: Equations) -> Servo:
     """The servo constraints of a rig.
 
     Raises
@@ -47,19 +78,19 @@ def servo_of(rig: Rig) -> Servo:
     RigError
         Some but not all Bryant angles of a platform are prescribed.
     """
-    equations = equations_of(rig)
+    rig = equations.rig
     turning = {angle: (cos, sin) for angle, cos, sin in equations.turning}
     sums = {part.name: part for part in rig.combinations}
     names: list[str] = []
     rows: list[Terms] = []
-    sources: list[tuple[int, ...]] = []
+    sources: list[Source] = []
     implied: set[int] = set()
     for column, output in enumerate(rig.outputs):
         orientation = next((o for o in equations.orientations if output in o.angles), None)
         if output in turning:
             names += [equations.names[i] for i in turning[output]]
             rows += [((1.0, i),) for i in turning[output]]
-            sources.append((column,))
+            sources.append(Source("frame", (column,)))
             implied.add(equations.constraint_names.index(output.replace(".angle", ".unit")))
         elif orientation is None:
             terms = (
@@ -69,52 +100,19 @@ def servo_of(rig: Rig) -> Servo:
             )
             names.append(output)
             rows.append(tuple((factor, equations.names.index(name)) for factor, name in terms))
-            sources.append((column,))
-        elif output == orientation.angles[0]:
+            sources.append(Source("terms", (column,)))
+        else:
             missing = [angle for angle in orientation.angles if angle not in rig.outputs]
             if missing:
-                raise RigError(_some_angles(rig, missing[0]))
+                raise RigError(
+                    f"rig {rig.name}: output {missing[0]!r} is missing; "
+                    "prescribe all three angles or none"
+                )
+            if output != orientation.angles[0]:  # their directors stand there, once
+                continue
             names += [equations.names[i] for i in orientation.directors]
             rows += [((1.0, i),) for i in orientation.directors]
-            sources.append(tuple(rig.outputs.index(angle) for angle in orientation.angles))
+            columns = tuple(rig.outputs.index(angle) for angle in orientation.angles)
+            sources.append(Source("platform", columns))
             implied |= set(orientation.constraints)
-        elif orientation.angles[0] not in rig.outputs:
-            raise RigError(_some_angles(rig, orientation.angles[0]))
     return Servo(tuple(names), tuple(rows), tuple(sources), frozenset(implied))
-
-
-def _some_angles(rig: Rig, missing: str) -> str:
-    return f"rig {rig.name}: output {missing!r} is missing; prescribe all three angles or none"
-
-
-def prescribe(rig: Rig, taylor: Array) -> Array:
-    """Right-hand sides of the servo constraints from a reference.
-
-    Parameters
-    ----------
-    rig
-        The rig.
-    taylor
-        Taylor coefficients of the reference, shape (orders, N, outputs).
-
-    Returns
-    -------
-    Array
-        Shape (orders, N, servo constraints).
-    """
-    servo = servo_of(rig)
-    if servo.plain:
-        return taylor
-    columns: list[Array] = []
-    angles = {frame.coordinate for frame in rig.frames if frame.kind == "turning"}
-    for source in servo.sources:
-        if len(source) > 1:
-            rotation = matrix(taylor[..., source])
-            # Director by director: the columns of R one after the other.
-            columns += list(np.moveaxis(rotation, (-1, -2), (0, 1)).reshape(9, *taylor.shape[:2]))
-        elif rig.outputs[source[0]] in angles:
-            sin, cos = sine_cosine(taylor[..., source[0]])
-            columns += [cos, sin]
-        else:
-            columns.append(taylor[..., source[0]])
-    return np.stack(columns, axis=-1)

@@ -15,7 +15,6 @@ strongly connected blocks can be solved one after the other.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import lru_cache
 from graphlib import TopologicalSorter
 
 import numpy as np
@@ -24,10 +23,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from ...models.errors import RigError
-from ...models.rig.rig import Rig
-from .assembly import equations_of
 from .equations import Equations
-from .servo import servo_of
+from .servo import Servo
 
 NEVER = -(10**6)
 """Signature of an unknown that does not stand in an equation."""
@@ -101,8 +98,7 @@ class Analysis:
         return self.degrees_of_freedom == 0
 
 
-@lru_cache(maxsize=256)
-def analyse(rig: Rig) -> Analysis:
+def analyse_equations(equations: Equations, servo: Servo) -> Analysis:
     """Structure of the equations of a rig whose outputs are prescribed.
 
     Raises
@@ -111,8 +107,8 @@ def analyse(rig: Rig) -> Analysis:
         The equations are structurally singular: some unknown is determined by no
         equation, or the outputs contradict each other.
     """
-    equations = equations_of(rig)
-    rows = _rows(equations)
+    rig = equations.rig
+    rows = _rows(equations, servo)
     unknowns = (
         *equations.names,
         *(f"multiplier of {name}" for name in equations.constraint_names),
@@ -122,7 +118,7 @@ def analyse(rig: Rig) -> Analysis:
     for i, row in enumerate(rows):
         for j, order in row.signature().items():
             signature[i, j] = order
-    partner = _transversal(rig, rows, unknowns, signature)
+    partner = _transversal(rig.name, rows, unknowns, signature)
     c, d = _offsets(signature, partner)
     return Analysis(
         rig_name=rig.name,
@@ -140,7 +136,7 @@ def analyse(rig: Rig) -> Analysis:
     )
 
 
-def _rows(equations: Equations) -> tuple[Row, ...]:
+def _rows(equations: Equations, servo: Servo) -> tuple[Row, ...]:
     n, m = len(equations.names), len(equations.constraint_names)
     rows = []
     for i, name in enumerate(equations.names):
@@ -160,7 +156,6 @@ def _rows(equations: Equations) -> tuple[Row, ...]:
                 ),
             )
         )
-    servo = servo_of(equations.rig)
     named = zip(equations.constraint_names, equations.constraints, strict=True)
     for k, (name, matrix) in enumerate(named):
         if k in servo.implied:
@@ -191,14 +186,14 @@ def _triples(terms: Iterable[tuple[float, int, int]]) -> tuple[tuple[float, int,
 
 
 def _transversal(
-    rig: Rig, rows: tuple[Row, ...], unknowns: tuple[str, ...], signature: np.ndarray
+    rig_name: str, rows: tuple[Row, ...], unknowns: tuple[str, ...], signature: np.ndarray
 ) -> np.ndarray:
     """The unknown paired with each equation in a highest-value transversal."""
     equations, partner = linear_sum_assignment(signature, maximize=True)
     for i, j in zip(equations, partner, strict=True):
         if signature[i, j] == NEVER:
             raise RigError(
-                f"rig {rig.name} is structurally singular: nothing determines {unknowns[j]} "
+                f"rig {rig_name} is structurally singular: nothing determines {unknowns[j]} "
                 f"({rows[i].name} is one equation too many); check its outputs and drives"
             )
     return np.asarray(partner)

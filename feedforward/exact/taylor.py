@@ -15,7 +15,7 @@ tension and the pulley's height along them undetermined (Y 6.1.1); the motion go
 a place, and the limit is followed by steps of least norm from the guess.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 
 from ...models.types import Array
 from .linear import least_norm, solve_many
-from .steps import Series, Step
+from .problem import Problem
+from .steps import Series, Step, plan
 from .structure import Row
 
 Flags = NDArray[np.bool_]
@@ -61,26 +62,29 @@ class Solution:
         finite = np.isfinite([values for known in self.series for values in known])
         return np.asarray(finite.all(axis=0))
 
+    @property
+    def values(self) -> Array:
+        """The unknowns themselves, shape (unknowns, N)."""
+        return np.array([coefficients[0] for coefficients in self.series])
+
 
 def expand(
-    steps: Sequence[Step],
-    unknowns: int,
-    reference: Array,
+    problem: Problem,
+    taylor: Array,
     guess: Array,
     *,
     follow: bool,
     sides: Mapping[int, float] | None = None,
+    further: int = 0,
 ) -> Solution:
     """Taylor coefficients of all unknowns at N samples.
 
     Parameters
     ----------
-    steps
-        From `plan`.
-    unknowns
-        Number of unknowns.
-    reference
-        Taylor coefficients of the outputs, shape (orders, N, outputs).
+    problem
+        Of a flat rig.
+    taylor
+        Taylor coefficients of the reference, shape (orders, N, outputs).
     guess
         Of the unknowns themselves at each sample, shape (unknowns, N); at the first
         sample alone, shape (unknowns, 1), if `follow`.
@@ -90,9 +94,13 @@ def expand(
     sides
         Signs of the blocks' determinants, if they are known; without them the guess picks
         the roots of quadratics.
+    further
+        How many more derivatives of every unknown are wanted.
     """
+    reference = problem.servo.prescribe(taylor)
+    steps = plan(problem.analysis, further) if further else problem.steps
     zero = np.zeros(reference.shape[1])
-    series: Series = [[] for _ in range(unknowns)]
+    series: Series = [[] for _ in guess]
     signs: dict[int, Array] = {}
     straight = np.zeros(len(zero), dtype=bool)
     with np.errstate(all="ignore"):  # what fails is found by its value

@@ -5,10 +5,8 @@ import numpy as np
 from ...models.types import Array
 from ..paths.reference import Reference
 from ..series.rotation import matrix
-from .assembly import equations_of
 from .motion import Motion
-from .servo import prescribe
-from .structure import analyse
+from .problem import Problem, problem_of
 
 
 def residuals(motion: Motion, reference: Reference) -> Array:
@@ -19,11 +17,12 @@ def residuals(motion: Motion, reference: Reference) -> Array:
     Equations of motion, constraints and servo constraints stand in the order of
     `analyse(rig).rows`.  Shape (N, equations).
     """
+    problem = problem_of(motion.rig)
+    rows = problem.analysis.rows
     if not len(motion.times):
-        return np.zeros((0, len(analyse(motion.rig).rows)))
-    values, seconds = _unknowns(motion)
-    path = prescribe(motion.rig, reference(motion.times)[None])[0]
-    rows = analyse(motion.rig).rows
+        return np.zeros((0, len(rows)))
+    values, seconds = _unknowns(problem, motion)
+    path = problem.servo.prescribe(reference(motion.times)[None])[0]
     wrong, sizes = [], []
     for row in rows:
         terms = [np.full(len(path), row.constant)]
@@ -40,7 +39,7 @@ def residuals(motion: Motion, reference: Reference) -> Array:
     return np.asarray(np.array(wrong).T / scales)
 
 
-def _unknowns(motion: Motion) -> tuple[list[Array], list[Array]]:
+def _unknowns(problem: Problem, motion: Motion) -> tuple[list[Array], list[Array]]:
     """All unknowns and their second derivatives, in the order of the analysis."""
     table: dict[str, tuple[Array, Array]] = {}
     for i, name in enumerate(motion.coordinate_names):
@@ -53,14 +52,14 @@ def _unknowns(motion: Motion) -> tuple[list[Array], list[Array]]:
             cos, sin = np.cos(angle), np.sin(angle)
             table[f"{frame.name}.cos"] = cos, -sin * turn - cos * rate**2
             table[f"{frame.name}.sin"] = sin, cos * turn - sin * rate**2
-    for orientation in equations_of(motion.rig).orientations:
+    for orientation in problem.equations.orientations:
         columns = [motion.column(name) for name in orientation.angles]
         angles = np.array([motion.positions, motion.velocities, 0.5 * motion.accelerations])
         rotation = matrix(angles[..., columns]).swapaxes(-1, -2).reshape(3, -1, 9)
         for i, index in enumerate(orientation.directors):
-            name = equations_of(motion.rig).names[index]
+            name = problem.equations.names[index]
             table[name] = rotation[0, :, i], 2.0 * rotation[2, :, i]
-    names = analyse(motion.rig).unknowns
+    names = problem.analysis.unknowns
     first = len(names) - motion.multipliers.shape[1] - motion.inputs.shape[1]
     pairs = [table[name] for name in names[:first]]
     forces = np.hstack((motion.multipliers, motion.inputs)).T

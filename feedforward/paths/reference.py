@@ -14,6 +14,7 @@ Anything that has the members of `Reference` can be followed.  Paths made here a
 and equal if their data are.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
@@ -80,6 +81,13 @@ class Reference(Protocol):
 
     def __hash__(self) -> int:
         """Of the path's data: solutions are remembered by it."""
+
+
+def taylor_of(reference: Reference, times: Array, order: int) -> Array:
+    """Taylor coefficients of a reference, shape (order + 1, N, outputs)."""
+    factorials = [math.factorial(k) for k in range(order + 1)]
+    derivatives = reference.derivatives(times, order)
+    return np.asarray(derivatives / np.array(factorials, dtype=float)[:, None, None])
 
 
 class OfPath:

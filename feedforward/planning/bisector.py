@@ -25,13 +25,11 @@ from ...models.errors import PathError, RigError, did_you_mean
 from ...models.rig.rig import Load, Rig
 from ...models.types import Array
 from ..checks import check_derivative, check_times
-from ..exact.branch import branch_of, taylor_of
+from ..exact.branch import branch_of
+from ..exact.problem import Problem, problem_of
 from ..exact.refusal import failure
-from ..exact.servo import prescribe
-from ..exact.steps import plan
-from ..exact.structure import analyse
 from ..exact.taylor import expand
-from ..paths.reference import Reference
+from ..paths.reference import Reference, taylor_of
 
 
 @dataclass(frozen=True)
@@ -108,10 +106,15 @@ class Bisected:
         """Columns of the load's outputs in this path."""
         return [self.rig.outputs.index(name) for name in self.light.outputs]
 
+    @property
+    def _problem(self) -> Problem:
+        """The inverse dynamics of the crane without the mass."""
+        return problem_of(self.light)
+
     @cached_property
     def _ahead(self) -> int:
         """How many more derivatives of the load's path than of its own the height needs."""
-        analysis = analyse(self.light)
+        analysis = self._problem.analysis
         known = analysis.unknown_offsets[analysis.unknowns.index(self.height)]
         return analysis.reference_order - known
 
@@ -164,14 +167,13 @@ class Bisected:
 
     def _heights(self, times: Array, order: int) -> Array:
         """Derivatives of the height, shape (order+1, N)."""
-        branch = branch_of(self.light, self.load)
-        analysis = branch.analysis
-        j = analysis.unknowns.index(self.height)
-        further = max(0, order - analysis.unknown_offsets[j])
-        taylor = taylor_of(self.load, times, branch.order + further)
-        given, guess = prescribe(self.light, taylor), branch.near(times)
-        solution = expand(plan(analysis, further), len(guess), given, guess, follow=False)
-        error = failure(self.light, analysis, solution, branch.signs, times, taylor[0])
+        problem = self._problem
+        branch = branch_of(problem, self.load)
+        j = problem.analysis.unknowns.index(self.height)
+        further = max(0, order - problem.analysis.unknown_offsets[j])
+        taylor = taylor_of(self.load, times, problem.order + further)
+        solution = expand(problem, taylor, branch.near(times), follow=False, further=further)
+        error = failure(problem, solution, branch.signs, times, taylor[0])
         if error is not None:
             raise error
         factorials = np.cumprod([1.0, *range(1, order + 1)])

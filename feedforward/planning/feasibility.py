@@ -22,11 +22,10 @@ from ...models.errors import OptionError, PathError
 from ...models.rig.rig import Drive, Frame, Rig, Rope
 from ...models.types import Array
 from ..checks import as_number
-from ..exact.branch import accept_columns
 from ..exact.inverse import solve
 from ..exact.motion import Motion, Slack
-from ..exact.refusal import RAIL_TOLERANCE
-from ..exact.structure import analyse
+from ..exact.problem import problem_of
+from ..exact.refusal import RAIL_TOLERANCE, accept_columns
 from ..paths.reference import OfPath, Reference
 
 LEAST_SAMPLES, MOST_SAMPLES = 101, 1_000_000
@@ -146,7 +145,7 @@ def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
         The rate is not > 0, or makes more than a million samples.
     """
     accept_columns(rig, reference)
-    needed = analyse(rig).reference_order
+    needed = problem_of(rig).analysis.reference_order
     times = instants(reference.duration, rate)
     problems = []
     path = reference

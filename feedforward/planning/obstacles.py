@@ -25,10 +25,10 @@ from ...models.errors import PathError
 from ...models.rig.rig import Load, Platform, Rig
 from ...models.types import Array
 from ..checks import as_number, check_point
-from ..exact.assembly import equations_of
 from ..exact.equations import redundant
 from ..exact.inverse import solve
 from ..exact.motion import Motion
+from ..exact.problem import equations_of
 from ..paths.reference import Reference
 from .feasibility import instants
 

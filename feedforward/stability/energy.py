@@ -31,10 +31,10 @@ import numpy as np
 from ...models.errors import OptionError
 from ...models.rig.rig import Rig, Rope
 from ...models.types import Array
-from ..exact.assembly import equations_of
 from ..exact.equations import Equations, redundant
 from ..exact.inverse import solve
 from ..exact.motion import Motion
+from ..exact.problem import equations_of
 from ..paths.reference import hold
 
 Columns = Mapping[str, Array]

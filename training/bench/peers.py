@@ -30,7 +30,7 @@ from ...feedforward.dae.result import motion_of
 from ...feedforward.dae.schemes import State
 from ...feedforward.dae.start import at_rest, start_angles
 from ...feedforward.exact.motion import Motion
-from ...feedforward.exact.structure import analyse
+from ...feedforward.exact.problem import analyse
 from ...models import Rig
 from ...models.types import Array
 

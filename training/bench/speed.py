@@ -17,9 +17,10 @@ from rich.table import Table
 from rich.text import Text
 
 from ... import models
-from ...feedforward import Reference, analyse, equations_of, from_move, solve
-from ...feedforward.exact.branch import approach, branch_of
-from ...feedforward.exact.servo import servo_of
+from ...feedforward import Reference, from_move, solve
+from ...feedforward.exact.branch import branch_of
+from ...feedforward.exact.home import approach
+from ...feedforward.exact.problem import problem_of
 from ...models import Rig, default_move
 from ...models.errors import OptionError
 from ...models.types import Array
@@ -102,7 +103,7 @@ def feedforward_table(repetitions: int) -> Table:
 
 def _first(rig: Rig, reference: Reference, times: Array) -> float:
     """Time of a solution with nothing remembered from an earlier one [ms]."""
-    for remembered in (analyse, branch_of, equations_of, servo_of, approach):
+    for remembered in (problem_of, branch_of, approach):
         remembered.cache_clear()
     begin = time.perf_counter()
     solve(rig, reference, times)

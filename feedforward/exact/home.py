@@ -1,0 +1,89 @@
+"""From a rig's home to the start of a path, in rest: which of its equations' solutions is meant."""
+
+import math
+from collections.abc import Iterator
+from functools import lru_cache
+
+import numpy as np
+
+from ...models.rig.rig import Rig
+from ...models.types import Array
+from .equations import Equations, redundant
+from .problem import Problem
+from .refusal import failure
+from .taylor import Solution, expand
+
+APPROACHES = (17, 65)
+"""Samples of the way from home to the start of the path."""
+
+
+@lru_cache(maxsize=512)
+def approach(problem: Problem, start: tuple[float, ...]) -> Solution:
+    """The solution in rest from home to the start of a path, by the first way that has one."""
+    rig = problem.rig
+    values, home = _home(problem.equations)
+    outputs = np.array([_output(rig, values, name) for name in rig.outputs])
+    when = "on the way from the rig's home to the start"
+    errors = []
+    for way in _ways(outputs, _unwound(rig, start)):
+        taylor = np.zeros((problem.order + 1, *way.shape))
+        taylor[0] = way
+        solution = expand(problem, taylor, home[:, None], follow=True)
+        signs = {block: float(sign[0]) for block, sign in solution.signs.items()}
+        error = failure(problem, solution, signs, np.arange(float(len(way))), way, when)
+        if error is None:
+            return solution
+        errors.append(error)
+    raise errors[0]
+
+
+def _unwound(rig: Rig, outputs: tuple[float, ...]) -> Array:
+    """The same outputs with a platform's angles within half a turn of upright."""
+    angles = {angle for platform in rig.platforms for angle in platform.angles}
+    pairs = zip(rig.outputs, outputs, strict=True)
+    return np.array([math.remainder(x, math.tau) if name in angles else x for name, x in pairs])
+
+
+def _ways(home: Array, start: Array) -> Iterator[Array]:
+    """Ways of the outputs (N, outputs) from home to the start: straight, then around what is not.
+
+    A load behind a tower is reached around it: by a parabola to one side or the other.
+    """
+    for samples in APPROACHES:
+        yield np.linspace(home, start, samples)
+    share = np.linspace(0.0, 1.0, APPROACHES[-1])[:, None]
+    reach = float(np.linalg.norm(start - home))
+    for side in (*np.eye(len(home)), *-np.eye(len(home))):
+        yield home + share * (start - home) + 2.0 * reach * share * (1.0 - share) * side
+
+
+def _home(equations: Equations) -> tuple[dict[str, Array], Array]:
+    """The rig's coordinates at home, and all unknowns there at rest.
+
+    Those of statics are meant in the sense of least squares.
+    """
+    rig = equations.rig
+    values = {}
+    for frame in rig.frames:
+        values[frame.coordinate] = np.array(rig.home_of(frame))
+    for mass in rig.masses:
+        place = np.array(rig.home_of(mass), dtype=float)
+        if place.ndim == 0:
+            values[f"{mass.name}.position"] = place
+        else:
+            values |= {f"{mass.name}.{axis}": place["xyz".index(axis)] for axis in rig.axes}
+    values |= {angle: np.zeros(()) for part in rig.platforms for angle in part.angles}
+    state, _ = redundant(equations, values, dict.fromkeys(values, np.zeros(())))
+    values |= {rope.coordinate: state[equations.names.index(rope.coordinate)] for rope in rig.ropes}
+    pull = np.hstack((equations.constraint_jacobian(state).T, -equations.input_matrix(state)))
+    statics = np.linalg.lstsq(pull, equations.force, rcond=None)[0]
+    return values, np.concatenate((state, statics))
+
+
+def _output(rig: Rig, values: dict[str, Array], name: str) -> float:
+    """One of the rig's outputs, a coordinate or a combination of them."""
+    for part in rig.combinations:
+        if part.name == name:
+            pairs = zip(part.factors, part.of, strict=True)
+            return sum(factor * float(values[one]) for factor, one in pairs)
+    return float(values[name])
