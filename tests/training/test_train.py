@@ -236,7 +236,7 @@ def test_a_folder_where_a_table_should_be(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     from flatrig.models.files import OutputError
-    from flatrig.training.learn.train import append_csv
+    from flatrig.training.tables import append_csv
 
     (tmp_path / "evaluation.csv").mkdir()
     assert main(["train", "overhead", *SHORT, "--steps", "100", "-o", str(tmp_path)]) == 2

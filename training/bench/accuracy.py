@@ -18,8 +18,9 @@ from ...feedforward import from_move
 from ...models import Move, Rig, default_move, make, printed_move
 from ...models.rig.moves import MANIPULATOR_MOVES
 from .. import options
-from ..console import console, table, warning
+from ..console import console, warning
 from ..simulate.open_loop import open_loop
+from ..tables import table
 
 TENSION_GOAL = 1e-3
 """[N]"""

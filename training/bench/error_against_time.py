@@ -14,11 +14,10 @@ Two processes work side by side, each on one core: other load on the machine sho
 """
 
 import json
-import math
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import asdict, fields
+from dataclasses import asdict, astuple, fields
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -30,6 +29,7 @@ from ...models.errors import OptionError, did_you_mean
 from ...models.files import write_text
 from .. import options
 from ..console import console
+from ..tables import write_csv
 from . import trial_figures as bench_figures
 from . import trial_tables as bench_tables
 from .peers import PEERS
@@ -60,8 +60,9 @@ def main(command: options.Bench) -> None:
     for case in cases:
         out.print(bench_tables.of_case(case, runs))
     written = [folder / "runs.csv", folder / "orders.csv"]
-    write_text(written[0], csv([field.name for field in fields(Run)], map(asdict, runs)))
-    write_text(written[1], csv(bench_tables.ORDERS, bench_tables.orders(runs)))
+    write_csv(written[0], [field.name for field in fields(Run)], map(astuple, runs), ".6g")
+    orders = (row.values() for row in bench_tables.orders(runs))
+    write_csv(written[1], bench_tables.ORDERS, orders, ".6g")
     for case in cases:
         written.append(folder / f"{case.replace(', ', '_')}.png")
         bench_figures.case(written[-1], runs, case)
@@ -175,17 +176,3 @@ def _read(file: Path, unit: Unit) -> list[Run] | None:
         return [Run(**run) for run in part["runs"]] if part["mark"] == _mark(unit) else None
     except (OSError, ValueError, KeyError, TypeError):
         return None
-
-
-def csv(columns: Iterable[str], rows: Iterable[dict[str, object]]) -> str:
-    """A table as text; numbers that are none stay empty, and texts with commas get quotes."""
-    lines = [",".join(columns)]
-    lines += [",".join(_cell(value) for value in row.values()) for row in rows]
-    return "\n".join(lines) + "\n"
-
-
-def _cell(value: object) -> str:
-    if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.6g}"
-    text = str(value)
-    return f'"{text}"' if "," in text or '"' in text else text

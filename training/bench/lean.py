@@ -24,7 +24,8 @@ from rich.table import Table
 from ...models import CATALOGUE, make
 from ...models.mjcf import rig_model as mjcf
 from .. import options
-from ..console import console, table
+from ..console import console
+from ..tables import table
 
 VARIANTS: dict[str, dict[str, Any]] = {
     "rigid": {"visuals": False},

@@ -20,8 +20,9 @@ from ...models.hand.catalogue import HAND_CATALOGUE, default_hand_move, full_han
 from ...models.looks.render import frames, save_animation
 from ...models.mjcf.hand_model import MUJOCO_DEFAULTS, RECOMMENDED, ContactSettings, compile_hand
 from .. import options
-from ..console import console, table, warning
+from ..console import console, warning
 from ..simulate.hand_runs import HandRun, Track, run_track
+from ..tables import table
 
 SECONDS = 10.0
 """Of every run [s]."""

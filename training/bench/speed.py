@@ -25,7 +25,8 @@ from ...models import Rig, default_move
 from ...models.errors import OptionError
 from ...models.types import Array
 from .. import options
-from ..console import console, table, warning
+from ..console import console, warning
+from ..tables import table
 from .accuracy import accuracy_table
 
 SAMPLES = 3001

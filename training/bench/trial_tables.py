@@ -12,7 +12,8 @@ from rich.text import Text
 
 from ...feedforward import Motion, dae, from_move, solve
 from ...models import default_move, make
-from ..console import table, warning
+from ..console import warning
+from ..tables import table
 from .trials import CASES, EXACT, Run, callable_of, errors
 from .watchdog import quiet
 

@@ -7,7 +7,6 @@ As for cranes, every controller drives all scenarios at once.  What counts is wh
 how far from the plan's end, and turned by how much.  An object that is lost stays where it was.
 """
 
-import csv
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, fields, replace
@@ -32,10 +31,11 @@ from ...envs.hand.goals import DURATION
 from ...envs.hand.observation import pose_error
 from ...models import Hand, HandMove
 from ...models.errors import OptionError
-from ...models.files import replacing, write_text
+from ...models.files import write_text
 from ...models.types import Array
 from .. import options
-from ..console import console, table, warning
+from ..console import console, warning
+from ..tables import table, write_csv
 from .compare_cranes import BASE, EVALUATION_SEED, RESIDUAL
 from .metrics import RESAMPLES, estimates
 from .report import make_folder
@@ -207,14 +207,14 @@ def write(
         A file cannot be written.
     """
     settings = [item.name for item in fields(HandScenario)]
-    with replacing(folder / "scenarios.csv") as beside, beside.open("w", newline="") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(["scenario", *settings, "controller", *COLUMNS, "ended"])
-        for run in runs:
-            for i, scenario in enumerate(scenarios):
-                values = [_flat(getattr(scenario, name)) for name in settings]
-                metrics = [repr(float(getattr(run, name)[i])) for name in COLUMNS]
-                rows.writerow([i, *values, run.name, *metrics, run.reasons[i]])
+    rows = (
+        (i, *(_flat(getattr(scenario, name)) for name in settings), run.name,
+         *(getattr(run, name)[i] for name in COLUMNS), run.reasons[i])
+        for run in runs
+        for i, scenario in enumerate(scenarios)
+    )  # fmt: skip
+    columns = ("scenario", *settings, "controller", *COLUMNS, "ended")
+    write_csv(folder / "scenarios.csv", columns, rows)
     found = {name: estimates([getattr(run, name) for run in runs]) for name in COLUMNS}
     facts = {
         "hand": hand.name,

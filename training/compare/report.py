@@ -1,6 +1,5 @@
 """The table, the files and the figure of a comparison."""
 
-import csv
 import json
 import os
 from collections.abc import Sequence
@@ -13,9 +12,10 @@ from rich.text import Text
 
 from ...envs.crane.disturbances import Scenario
 from ...models import Rig
-from ...models.files import OutputError, replacing, write_text
-from ..console import console, table
+from ...models.files import OutputError, write_text
+from ..console import console
 from ..policy import Policy
+from ..tables import table, write_csv
 from .metrics import NAMES, RESAMPLES, SETTLED, Estimate, estimates, relative_change
 
 if TYPE_CHECKING:
@@ -132,14 +132,14 @@ def _percent(change: Estimate) -> tuple[str, str]:
     return f"{100 * change.mean:+.1f} %", f"[{low:+.1f}, {high:+.1f}]"
 
 
-def _number(value: float) -> str:
-    """For a CSV; empty where there is none."""
-    return repr(float(value)) if np.isfinite(value) else ""
+def _finite(value: float) -> float | None:
+    """For CSV and JSON; None where there is no number."""
+    return float(value) if np.isfinite(value) else None
 
 
 def _plain(value: Estimate) -> dict[str, float | None]:
     """For JSON, which knows no NaN."""
-    return {key: number if np.isfinite(number) else None for key, number in asdict(value).items()}
+    return {key: _finite(number) for key, number in asdict(value).items()}
 
 
 def write(folder: Path, rig: Rig, runs: Sequence["Run"], scenarios: Sequence[Scenario]) -> None:
@@ -154,14 +154,13 @@ def write(folder: Path, rig: Rig, runs: Sequence["Run"], scenarios: Sequence[Sce
     from .compare_cranes import BASE
 
     settings = [item.name for item in fields(Scenario)]
-    with replacing(folder / "scenarios.csv") as beside, beside.open("w", newline="") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(["scenario", *settings, "controller", *NAMES])
-        for run in runs:
-            for i, scenario in enumerate(scenarios):
-                metrics = [_number(getattr(run.metrics, name)[i]) for name in NAMES]
-                values = [getattr(scenario, name) for name in settings]
-                rows.writerow([i, *values, run.name, *metrics])
+    rows = (
+        (i, *(getattr(scenario, name) for name in settings), run.name,
+         *(_finite(getattr(run.metrics, name)[i]) for name in NAMES))
+        for run in runs
+        for i, scenario in enumerate(scenarios)
+    )  # fmt: skip
+    write_csv(folder / "scenarios.csv", ("scenario", *settings, "controller", *NAMES), rows)
     relative = changes(runs, BASE)
     facts = {
         "rig": rig.name,

@@ -15,7 +15,8 @@ from ...feedforward import (
 from ...models import Rig
 from ...models.errors import PathError
 from .. import options
-from ..console import console, table, warning
+from ..console import console, warning
+from ..tables import table
 from .summary import RANGE, add_input, facts, point, range_cells, sample_times, show_verdict
 
 MOST_SAMPLES = 10_000_000

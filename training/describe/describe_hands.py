@@ -25,7 +25,8 @@ from ...models import Hand, HandMove, Plate
 from ...models.errors import OptionError, PathError
 from ...models.files import replacing
 from .. import options
-from ..console import console, table, warning
+from ..console import console, warning
+from ..tables import table
 from .summary import RANGE, add_input, facts, point, range_cells, sample_times, show_verdict
 
 MARGIN = 0.2

@@ -3,7 +3,8 @@
 from ...feedforward import driven_unit
 from ...models import CATALOGUE, HAND_CATALOGUE, default_hand_move, default_move, make, make_hand
 from .. import options
-from ..console import console, table
+from ..console import console
+from ..tables import table
 from .describe_hands import angles
 from .summary import point
 

@@ -8,8 +8,9 @@ from rich.text import Text
 
 from ...models.errors import OptionError
 from ...models.types import Array
-from ..console import console, table, warning
+from ..console import console, warning
 from ..options import check_number
+from ..tables import table
 
 RANGE = ("start", "end", "lowest", "highest")
 """Headings of the cells that `range_cells` makes."""

@@ -17,6 +17,7 @@ from ...models import Move, Rig
 from .. import options
 from ..compare.compare_cranes import Runner, environment, scenarios_for, with_residual
 from ..policy import Card, Policy
+from ..tables import append_csv
 from . import checkpoint
 from .sb3 import Adapter, Network, export
 from .student import Student
@@ -25,7 +26,6 @@ from .train import (
     VALIDATION_SCENARIOS,
     VALIDATION_SEED,
     Settings,
-    append_csv,
     command_line,
     versions,
 )

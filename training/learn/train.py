@@ -261,21 +261,3 @@ def versions() -> dict[str, str]:
         except PackageNotFoundError:
             found[name] = "not installed as a package"
     return found
-
-
-def append_csv(path: Path, row: dict[str, Any]) -> None:
-    """Add a row to a CSV, its header first.
-
-    Raises
-    ------
-    OutputError
-        It cannot be written.
-    """
-    new = not path.exists()
-    try:
-        with path.open("a", encoding="utf-8") as file:
-            if new:
-                file.write(",".join(row) + "\n")
-            file.write(",".join(str(value) for value in row.values()) + "\n")
-    except OSError as error:
-        raise OutputError(f"cannot write {path}: {error.strerror}") from None

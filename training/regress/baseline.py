@@ -5,7 +5,6 @@ processor adds in another order.  Times are not stored.
 """
 
 import csv
-import io
 import math
 from collections.abc import Iterable
 from pathlib import Path
@@ -15,6 +14,7 @@ import mujoco
 
 from ...models.errors import OptionError
 from ...models.files import write_text
+from ..tables import csv_text
 
 FILE = Path(__file__).parents[1] / "baselines" / "regress.csv"
 """The one that is shipped."""
@@ -118,14 +118,13 @@ def write(path: str | Path, found: dict[Key, float]) -> None:
     models = {key[0] for key in found}
     kept = read(path)[0] if Path(path).exists() else {}
     table = {key: value for key, value in kept.items() if key[0] not in models} | found
-    text = io.StringIO(newline="")
-    out = csv.writer(text, lineterminator="\n")
-    out.writerow(["model", "integrator", "step", *ROUNDING])
-    for model, integrator, step in dict.fromkeys(key[:3] for key in table):
-        numbers = [table.get((model, integrator, step, quantity)) for quantity in ROUNDING]
-        shown = ["" if value is None else f"{value:.4g}" for value in numbers]
-        out.writerow([model, integrator, f"{step:g}", *shown])
-    write_text(path, f"{HEAD}{mujoco.__version__}\n{text.getvalue()}")
+    rows = (
+        (model, integrator, f"{step:g}",
+         *(table.get((model, integrator, step, quantity)) for quantity in ROUNDING))
+        for model, integrator, step in dict.fromkeys(key[:3] for key in table)
+    )  # fmt: skip
+    text = csv_text(("model", "integrator", "step", *ROUNDING), rows, ".4g")
+    write_text(path, f"{HEAD}{mujoco.__version__}\n{text}")
 
 
 def _within(quantity: str, new: float, old: float) -> bool:

@@ -18,7 +18,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, astuple, dataclass
 from functools import cache
 from pathlib import Path
 
@@ -33,9 +33,10 @@ from ...models.errors import ModelError
 from ...models.files import write_text
 from ...models.mjcf import rig_model as mjcf
 from .. import options
-from ..console import console, table, warning
+from ..console import console, warning
 from ..simulate.drift import DURATION, Drift, Free, drift, free_motion
 from ..simulate.open_loop import Prepared, prepare
+from ..tables import table, write_csv
 from . import baseline
 
 STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4)
@@ -194,15 +195,9 @@ def write_rows(path: Path, rows: list[Row]) -> None:
     OutputError
         The file cannot be written.
     """
-    columns = list(Row.__dataclass_fields__)
-    lines = [
-        "model,integrator,step [s],error [m],arrival [m],energy [J],momentum,"
-        "cost [ms/s],real-time factor"
-    ]
-    for row in rows:
-        values = [getattr(row, name) for name in columns] + [row.real_time_factor]
-        lines.append(",".join(v if isinstance(v, str) else _shown(v, ".6g") for v in values))
-    write_text(path, "\n".join(lines) + "\n")
+    columns = ("model", "integrator", "step [s]", "error [m]", "arrival [m]", "energy [J]",
+               "momentum", "cost [ms/s]", "real-time factor")  # fmt: skip
+    write_csv(path, columns, ((*astuple(row), row.real_time_factor) for row in rows), ".6g")
 
 
 def summary(rows: list[Row], gone: set[tuple[str, ...]]) -> Table:

@@ -22,16 +22,18 @@ from ...feedforward.integrators import (
     Scheme,
     integrate,
     integrate_index_one,
-    table,
+)
+from ...feedforward.integrators import (
+    table as condition_table,
 )
 from ...feedforward.multibody import System, assemble, rotary_crane
-from ...models.files import write_text
 from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.rig_state import points
 from ...models.mjcf.simulate import run as simulate
 from ...models.types import Array
-from .. import console, plots
+from .. import plots
 from ..simulate.drift import DURATION, drift, free_motion
+from ..tables import table, write_csv
 from . import sheets
 from .work_precision import LOOKS
 
@@ -135,7 +137,7 @@ def _mujoco(integrator: str, count: int) -> Kept:
 def _conditions() -> list[Condition]:
     """Of the iteration matrices at the start."""
     system, start = assemble(rotary_crane(place=PLACE))
-    return table(system, start.q, start.v, CONDITION_STEPS)
+    return condition_table(system, start.q, start.v, CONDITION_STEPS)
 
 
 def _draw(stem: Path, runs: Sequence[Kept], conditions: Sequence[Condition]) -> None:
@@ -177,17 +179,15 @@ def _draw(stem: Path, runs: Sequence[Kept], conditions: Sequence[Condition]) -> 
 
 
 def _write(stem: Path, runs: Sequence[Kept]) -> None:
-    lines = ["method,step [s],change of energy [J],relative change of momentum,error [m]"]
-    for run in runs:
-        lines.append(
-            f"{run.method},{run.step:g},{run.energy:.3e},{run.momentum:.3e},{run.error:.3e}"
-        )
-    write_text(stem.with_name(f"{stem.name}.csv"), "\n".join(lines) + "\n")
+    columns = ("method", "step [s]", "change of energy [J]", "relative change of momentum",
+               "error [m]")  # fmt: skip
+    rows = ((run.method, f"{run.step:g}", run.energy, run.momentum, run.error) for run in runs)
+    write_csv(sheets.beside(stem, ".csv"), columns, rows, ".3e")
 
 
 def _table(runs: Sequence[Kept], conditions: Sequence[Condition], found: dict[str, float]) -> Table:
     """At the step that is shown, with the orders, and condition numbers at that step."""
-    shown = console.table(
+    shown = table(
         f"Free rotary crane, 1 s at steps of {1 / SHOWN:g} s",
         "method", "energy [J]", "over its size", "L_z, relative", "load [m]", "order", "unknowns",
         "condition", "scaled",

@@ -33,8 +33,8 @@ from ...models import (
     rotary_crane,
 )
 from ...models.types import Array
-from .. import console
 from ..simulate.closed_loop import Course, closed_loop
+from ..tables import table
 from . import kiss_crane, sheets
 
 Columns = dict[str, Array]
@@ -252,7 +252,7 @@ from a search for the gains with which the slowest motion dies fastest."""
 
 def figure(stem: Path) -> Table:
     """Run every case; the final errors [m] go into a CSV file."""
-    shown = console.table(
+    shown = table(
         f"PD on encoders: {RUNS} random initial states each (K theorems 6 to 9)",
         "crane", "runs", "from [m]", "after [s]", "largest error [m]", "converged", "stay taut",
         "rise of W / W0", "other rest [J]", "computed in [s]",

@@ -15,7 +15,8 @@ from ...feedforward.rolling import HandMotion, classify, plan_hand, replay, resi
 from ...feedforward.rolling.without_spin import WithoutSpin, without_spin
 from ...models import Hand, Tip, default_hand_move, make_hand
 from ...models.types import Array
-from .. import console, plots
+from .. import plots
+from ..tables import table
 from . import sheets
 
 SAMPLES = 401
@@ -103,7 +104,7 @@ def _at_rest(motion: HandMotion) -> float:
 def _facts(heading: str, motion: HandMotion) -> Table:
     """What is true of every plan."""
     move = motion.move
-    shown = console.table(f"{heading}, {move.duration:g} s", "", "")
+    shown = table(f"{heading}, {move.duration:g} s", "", "")
     shown.add_row("largest residual of a constraint", f"{max(residuals(motion)):.1e}")
     again = replay(plan_hand(motion.hand, move)).orientation
     shown.add_row("driftless system integrated again, off by [rad]", f"{again:.1e}")
@@ -183,10 +184,10 @@ def _path(ax: Any, path: Array, heading: str, axes: str) -> None:
     ax.set_aspect("equal", adjustable="datalim")
 
 
-def table(stem: Path) -> Table:
+def classification(stem: Path) -> Table:
     """K's table 2.1 beside the ranks found, with the reasons."""
     del stem  # nothing is written
-    shown = console.table(
+    shown = table(
         "Table 2.1: K's row in brackets where it says something else", "hand", "K's row, fingers",
         "holonomic", "flat", "Liouvillian", "derived flag", "flat or not, because", right=False,
     )  # fmt: skip

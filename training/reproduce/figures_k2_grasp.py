@@ -25,7 +25,8 @@ from ...models import PRINTED_HAND_MOVES, Hand, HandMove, Tip, default_hand_move
 from ...models.errors import PathError
 from ...models.hand.hand import EVERY_WAY
 from ...models.types import Array
-from .. import console, plots
+from .. import plots
+from ..tables import table
 from . import sheets
 from .figures_k2 import DARK, lines
 
@@ -207,7 +208,7 @@ def _finish(stem: Path, drawn: Any, axes: Any, cases: dict[str, ContactForces]) 
 
 
 def _summary(cases: dict[str, ContactForces]) -> Table:
-    shown = console.table(
+    shown = table(
         "Shaded in the figure: forces outside the cones, or none", "forces", "up to [s]",
         "least normal [N]", "largest cosine", "outside for [s]",
     )  # fmt: skip

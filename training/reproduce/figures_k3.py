@@ -13,8 +13,9 @@ import numpy as np
 from rich.table import Table
 
 from ...feedforward import Motion, Reference, over, solve
-from .. import console, plots
+from .. import plots
 from ..simulate.open_loop import open_loop
+from ..tables import table
 from . import kiss_crane, sheets
 
 DURATIONS = {"horizontal": 1.2, "parabola": 1.2, "straight": 0.8}
@@ -62,7 +63,7 @@ def boom_motor(stem: Path) -> Table:
     sheets.panel(below, "Torque on the boom", motion.times, [torque], "[N m]", xlabel="time [s]")
     sheets.save(stem, drawn)
     sheets.write_csv(stem, {"time": motion.times, "rpm": speed, "torque": torque})
-    shown = console.table("Boom's motor along the straight line in space", "", "peak")
+    shown = table("Boom's motor along the straight line in space", "", "peak")
     shown.add_row("speed [rpm]", f"{np.abs(speed).max():.4g}")
     shown.add_row("torque [N m]", f"{np.abs(torque).max():.4g}")
     shown.add_row("power [W]", f"{np.abs(torque * speed).max() * np.pi / 30.0:.4g}")
@@ -100,7 +101,7 @@ def _path(stem: Path, heading: str, kind: str) -> Table:
     sheets.write_csv(stem, {"time": motion.times, **columns})
     speed = np.linalg.norm(np.gradient(load, motion.times, axis=0), axis=1)
     boom = motion.positions[:, motion.column("boom.angle")]
-    shown = console.table(f"{heading}, {DURATIONS[kind]:g} s", "", "")
+    shown = table(f"{heading}, {DURATIONS[kind]:g} s", "", "")
     length = np.linalg.norm(np.diff(load, axis=0), axis=1).sum()
     shown.add_row("length of the path [cm]", f"{1e2 * length:.4g}")
     shown.add_row("largest speed [m/s]", f"{speed.max():.4g}")
@@ -123,7 +124,7 @@ def _torques(stem: Path, heading: str, kind: str) -> Table:
     axes[-1].set_xlabel("time [s]")
     sheets.save(stem, drawn)
     sheets.write_csv(stem, {"time": motion.times, **columns})
-    shown = console.table(
+    shown = table(
         f"{heading}, {DURATIONS[kind]:g} s: torques", "motor", "start", "end", "lowest", "highest"
     )
     for name, torque in columns.items():

@@ -12,8 +12,9 @@ from rich.table import Table
 
 from ...feedforward import Motion, Regulator, hold, solve
 from ...models.types import Array
-from .. import console, plots
+from .. import plots
 from ..simulate.closed_loop import Course, closed_loop
+from ..tables import table
 from . import kiss_crane, sheets
 
 SETTLED = (0.01, 0.005)
@@ -50,7 +51,7 @@ def planar(stem: Path) -> Table:
     columns = {"time": t, "x": places[:, 0], "z": places[:, 1], "W": energy}
     sheets.write_csv(stem, columns)
     away = np.linalg.norm(places - kiss_crane.PLANAR_TARGET, axis=1)
-    shown = console.table("Planar Navy crane under PD, gains of K 3.4.2", "", "")
+    shown = table("Planar Navy crane under PD, gains of K 3.4.2", "", "")
     shown.add_row("distance at first [cm]", f"{1e2 * away[0]:.4g}")
     shown.add_row("within 1 cm from [s]", f"{_settled(t, away, SETTLED[0]):.3g}")
     shown.add_row(f"distance after {t[-1]:g} s [m]", f"{away[-1]:.1e}")
@@ -73,7 +74,7 @@ def load(stem: Path) -> Table:
     for name, path in zip(NAMES, (*paths, wanted), strict=True):
         columns |= {f"{name} {axis}": path[:, i] for i, axis in enumerate("xyz")}
     sheets.write_csv(stem, columns)
-    shown = console.table("Tracking study, K 3.5", "", *NAMES[:2])
+    shown = table("Tracking study, K 3.5", "", *NAMES[:2])
     times = reference.times
     away = [np.linalg.norm(path - goal, axis=1) for path in paths]
     settled, closer = ([_settled(times, each, near) for each in away] for near in SETTLED)
@@ -148,7 +149,7 @@ def _over_time(stem: Path, heading: str, unit: str, names: list[str], scale: flo
     """One panel for each quantity, with the three lines of the tracking study."""
     sources = study()
     drawn, axes = plots.figure(7.0, 1.6 * len(names) + 0.8, nrows=len(names), sharex=True)
-    shown = console.table(f"Tracking study, K 3.5: {heading} {unit}, lowest to highest", "", *NAMES)
+    shown = table(f"Tracking study, K 3.5: {heading} {unit}, lowest to highest", "", *NAMES)
     columns = {"time": sources[0].times}
     for ax, name in zip(axes, names, strict=True):
         wanted, fixed, tracking = (scale * _quantity(source, name) for source in sources)

@@ -17,6 +17,7 @@ from ...feedforward.paths.profiles import ThreePhase
 from ...feedforward.planning.feasibility import AsSmooth
 from ...models.types import Array
 from .. import console, plots
+from ..tables import table
 from . import sheets, snapshots
 from .y_sheets import Case, Lines, Run, Snapshots
 from .y_sheets import sheets as all_sheets
@@ -54,7 +55,7 @@ def _lines(stem: Path, sheet: Lines) -> Table:
     drawn, axes = plots.figure(
         4.6 * columns, 1.9 * rows + 0.6, nrows=rows, ncols=columns, sharex=True, squeeze=False
     )
-    shown = console.table(
+    shown = table(
         f"{stem.name}: {sheet.title}", "run", "step [s]", "coordinates [m, rad]",
         "inputs [N, N m]", "over the largest", "steps", "time [s]",
     )  # fmt: skip
@@ -146,7 +147,7 @@ def reference_function(stem: Path) -> Table:
     values = values / (duration ** np.arange(5.0))[:, None]
     names = [f"c{order * chr(39)}(t)" for order in range(5)]
     drawn, axes = plots.figure(6.0, 7.0, nrows=5, sharex=True)
-    shown = console.table("Y4.6: the three-phase profile", "", "lowest", "highest")
+    shown = table("Y4.6: the three-phase profile", "", "lowest", "highest")
     for order, (ax, name, row) in enumerate(zip(axes, names, values, strict=True)):
         unit = "" if order == 0 else f"[1/s^{order}]"
         sheets.panel(ax, name, times, [row], unit)

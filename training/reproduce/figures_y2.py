@@ -16,7 +16,8 @@ from ...feedforward.integrators import EnergyMomentum, integrate
 from ...feedforward.multibody import assemble, rotary_crane
 from ...feedforward.multibody.free_crane import DRUM_RADIUS
 from ...models.types import Array
-from .. import console, plots
+from .. import plots
+from ..tables import table
 from . import crane_by_angles, sheets
 from .snapshots import FAINT, ROPE, STRUCTURE
 
@@ -111,7 +112,7 @@ def directors_snapshots(stem: Path) -> Table:
 def _balance(stem: Path, let: Let, what: str, step: float) -> Table:
     """Energy and angular momentum above, what is lost of them below."""
     drawn, axes = plots.figure(9.2, 4.8, nrows=2, ncols=2, sharex=True)
-    shown = console.table(f"{stem.name}: {what}, steps of {step:g} s", "", "start", "change")
+    shown = table(f"{stem.name}: {what}, steps of {step:g} s", "", "start", "change")
     for column, (heading, unit, values) in enumerate(
         (("Energy", "J", let.energy), ("Angular momentum", "kg m²/s", let.momentum))
     ):
@@ -135,7 +136,7 @@ def _snapshots(stem: Path, let: Let, heading: str) -> Table:
     """The crane at instants, from above and along the x axis."""
     chosen = [int(np.abs(let.times - instant).argmin()) for instant in INSTANTS]
     drawn, (above, side) = plots.figure(9.6, 6.4, ncols=2, width_ratios=(1.2, 1.0))
-    shown = console.table(f"{stem.name}: where the load is [m]", "time [s]", "x", "y", "z")
+    shown = table(f"{stem.name}: where the load is [m]", "time [s]", "x", "y", "z")
     for i, opacity in zip(chosen, np.linspace(FAINT, 1.0, len(chosen)), strict=True):
         for ax, pair in ((above, [0, 1]), (side, [1, 2])):
             _picture(ax, let, i, pair, opacity)

@@ -23,7 +23,8 @@ from ...feedforward.integrators import (
 from ...feedforward.multibody import angles_of_squeezer, assemble, hinge_of_squeezer, squeezer
 from ...models.squeezer import mechanism as data
 from ...models.types import Array
-from .. import console, plots
+from .. import plots
+from ..tables import table
 from . import sheets
 from .figures_y import EXACT
 from .snapshots import STRUCTURE
@@ -94,7 +95,7 @@ def snapshots(stem: Path) -> Table:
     angles, places = angles_of_squeezer(run.q), hinge_of_squeezer(run.q)
     chosen = [int(np.abs(run.times - instant).argmin()) for instant in INSTANTS]
     drawn, axes = plots.figure(9.6, 6.6, nrows=2, ncols=3, sharex=True, sharey=True)
-    shown = console.table("Y3.8: crank and hinge P", "time [ms]", "beta [rad]", "x [mm]", "y [mm]")
+    shown = table("Y3.8: crank and hinge P", "time [ms]", "beta [rad]", "x [mm]", "y [mm]")
     for ax, i in zip(axes.flat, chosen, strict=True):
         _picture(ax, tuple(map(float, angles[i])))
         plots.title(ax, f"{1e3 * run.times[i]:.0f} ms")
@@ -130,7 +131,7 @@ def _motion(
 ) -> Table:
     """Columns of `values` over time beside those of the explicit run."""
     heading = f"{stem.name}: {what}, energy-momentum, steps of {FINE:g} s"
-    shown = console.table(heading, "", "lowest", "highest", "largest error", "at the end")
+    shown = table(heading, "", "lowest", "highest", "largest error", "at the end")
     drawn, ax = plots.figure(6.4, 3.8)
     every = (len(run.times) - 1) // (len(exact.times) - 1)
     errors = np.abs(values[::every] - truth)
@@ -154,7 +155,7 @@ def _motion(
 
 def _balance(stem: Path, step: float, *, closely: bool) -> Table:
     """The balance of energy of three schemes, in J, or its size on a scale of powers of ten."""
-    shown = console.table(
+    shown = table(
         f"{stem.name}: balance of energy [J], steps of {step:g} s", "", "largest", "at the end"
     )
     drawn, ax = plots.figure(6.8, 3.8)

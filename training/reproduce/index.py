@@ -18,7 +18,8 @@ from rich.table import Table
 
 from ...models.errors import OptionError, did_you_mean
 from .. import options
-from ..console import console, table
+from ..console import console
+from ..tables import table
 from .y_sheets import sheets
 
 FOLDER = "results/reproduce"
@@ -41,7 +42,7 @@ class Entry(NamedTuple):
 
 
 ENTRIES: dict[str, Entry] = {
-    "K2.table": Entry("which hands are holonomic, flat, Liouvillian", "figures_k2:table"),
+    "K2.table": Entry("which hands are holonomic, flat, Liouvillian", "figures_k2:classification"),
     "K2.13": Entry("planar hand: object and fingers", "figures_k2:planar"),
     "K2.14": Entry("contact forces of K2.13, and in the cones", "figures_k2_grasp:planar_forces"),
     "K2.15": Entry("ball rolling without spin: orientation", "figures_k2:without_spinning"),

@@ -27,8 +27,9 @@ from ...feedforward import Regulator, hold, solve
 from ...models import Rope
 from ...models.friction import Friction
 from ...models.types import Array
-from .. import console, plots
+from .. import plots
 from ..simulate.closed_loop import closed_loop
+from ..tables import table
 from . import kiss_crane, sheets
 
 FRICTION = Friction(coulomb=0.08, viscous=0.5, static=0.12, stribeck_velocity=0.01)
@@ -82,7 +83,7 @@ def figure(stem: Path) -> Table:
     rest = solve(regulator.rig, hold(START), 0.0)
     start = {name: rest.positions[:1, rest.column(name)] for name in regulator.rest_values}
     drawn, axes = plots.figure(7.0, 6.4, nrows=len(cases), sharex=True, sharey=True)
-    shown = console.table(
+    shown = table(
         f"Winch friction (K remarks 31, 32): the load in the last {END:g} s of {DURATION:g} s",
         "", "mean offset [mm]", "largest offset [mm]", "swings by [mm]",
     )  # fmt: skip

@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ...models.files import replacing
 from ...models.types import Array
-from .. import plots
+from .. import plots, tables
 
 STYLES: tuple[dict[str, Any], ...] = (
     {"color": plots.COLOURS[4], "linestyle": (0, (5, 2)), "linewidth": 1.4},
@@ -23,6 +22,11 @@ def styles(count: int) -> Sequence[dict[str, Any]]:
     return STYLES[1:2] if count == 1 else STYLES[:count]
 
 
+def beside(stem: Path, suffix: str) -> Path:
+    """The file `STEM.png` or `STEM.csv`; a stem may have dots ("K3.21")."""
+    return stem.with_name(stem.name + suffix)
+
+
 def write_csv(stem: Path, columns: dict[str, Array]) -> None:
     """Write columns (N,) by name to `STEM.csv`.
 
@@ -31,9 +35,8 @@ def write_csv(stem: Path, columns: dict[str, Array]) -> None:
     OutputError
         The file cannot be written.
     """
-    with replacing(stem.with_name(f"{stem.name}.csv")) as beside:
-        table = np.column_stack(list(columns.values()))
-        np.savetxt(beside, table, "%.8g", ",", header=",".join(columns), comments="")
+    rows = np.column_stack(list(columns.values()))
+    tables.write_csv(beside(stem, ".csv"), columns, rows, ".8g")
 
 
 def save(stem: Path, figure: Any) -> None:
@@ -44,7 +47,7 @@ def save(stem: Path, figure: Any) -> None:
     OutputError
         The file cannot be written.
     """
-    plots.save(figure, stem.with_name(f"{stem.name}.png"))
+    plots.save(figure, beside(stem, ".png"))
 
 
 def panel(

@@ -11,7 +11,8 @@ from ...feedforward import Motion, equations_of, redundant
 from ...models import Load, Platform
 from ...models.rig.chain import pulleys
 from ...models.types import Array
-from .. import console, plots
+from .. import plots
+from ..tables import table
 from . import sheets
 from .y_sheets import Snapshots
 
@@ -41,7 +42,7 @@ def draw(stem: Path, sheet: Snapshots, motion: Motion) -> Table:
         ax.set_aspect("equal", adjustable="datalim")
     drawn.suptitle(sheet.title, x=0.012, ha="left", fontsize=11, fontweight="bold")
     sheets.save(stem, drawn)
-    shown = console.table(f"{sheet.title}: where the payload is [m]", "time [s]", "x", "y", "z")
+    shown = table(f"{sheet.title}: where the payload is [m]", "time [s]", "x", "y", "z")
     carried: tuple[Load | Platform, ...] = (*motion.rig.loads, *motion.rig.platforms)
     for i in chosen:
         place = places[carried[-1].name][i]

@@ -21,11 +21,11 @@ from rich.table import Table
 from ...feedforward.integrators import SCHEMES, Scheme, extrapolated, measured
 from ...feedforward.multibody import angles_of_squeezer
 from ...models.errors import ModelError
-from ...models.files import write_text
 from ...models.squeezer import mechanism as data
 from ...models.squeezer.closing import final_angles
 from ...models.types import Array
-from .. import console, plots
+from .. import plots
+from ..tables import table, write_csv
 from . import sheets
 
 T = TypeVar("T")
@@ -166,6 +166,11 @@ def _error(point: Point, truth: Array) -> float:
     return float(abs(point.angles[0] - truth[0]))
 
 
+def _largest_error(point: Point, truth: Array) -> float:
+    """Of all seven angles [rad]."""
+    return float(np.abs(point.angles - truth).max())
+
+
 def _draw(stem: Path, points: Sequence[Point], truth: Array, spread: float) -> None:
     drawn, axes = plots.figure(9.6, 5.0, ncols=2, sharey=True)
     for name, group in groupby(points, lambda point: point.method):
@@ -201,29 +206,29 @@ def _draw(stem: Path, points: Sequence[Point], truth: Array, spread: float) -> N
 
 
 def _write(stem: Path, points: Sequence[Point], truth: Array) -> None:
-    lines = ["method,setting,error of beta [rad],largest of seven [rad],evaluations,seconds"]
-    for point in points:
-        largest = float(np.abs(point.angles - truth).max())
-        lines.append(
-            f'"{point.method}",{point.setting},{_error(point, truth):.3e},{largest:.3e},'
-            f"{point.evaluations},{point.seconds:.4f}"
-        )
-    write_text(stem.with_name(f"{stem.name}.csv"), "\n".join(lines) + "\n")
+    columns = ("method", "setting", "error of beta [rad]", "largest of seven [rad]", "evaluations",
+               "seconds")  # fmt: skip
+    rows = (
+        (point.method, point.setting, _error(point, truth), _largest_error(point, truth),
+         point.evaluations, f"{point.seconds:.4f}")
+        for point in points
+    )  # fmt: skip
+    write_csv(sheets.beside(stem, ".csv"), columns, rows, ".3e")
 
 
 def _table(points: Sequence[Point], truth: Array, spread: float) -> Table:
     """The finest point of each method, and the published value."""
-    shown = console.table(
+    shown = table(
         f"Squeezing mechanism: beta(0.03 s) = {truth[0]:.11f} rad; four methods agree within "
         f"{spread:.0e} rad",
         "method", "setting", "error of beta [rad]", "of the worst angle", "evaluations", "time [s]",
     )  # fmt: skip
     for _, group in groupby(points, lambda point: point.method):
         best = list(group)[-1]
-        largest = float(np.abs(best.angles - truth).max())
         shown.add_row(
-            best.method, best.setting, _sure(_error(best, truth), spread),
-            _sure(largest, spread), str(best.evaluations), f"{best.seconds:.2f}",
+            best.method, best.setting,
+            _sure(_error(best, truth), spread), _sure(_largest_error(best, truth), spread),
+            str(best.evaluations), f"{best.seconds:.2f}",
         )  # fmt: skip
     away = np.abs(np.array(data.PUBLISHED) - truth)
     shown.add_row("published value", "", f"{away[0]:.1e}", f"{away.max():.1e}", "", "")

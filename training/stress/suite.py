@@ -13,15 +13,13 @@ To add a case: a function that returns what it found, and a line in `cases` of o
 `stress_cases_*.py`.
 """
 
-import csv
-import io
 import json
 import os
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import asdict, fields
+from dataclasses import asdict, astuple, fields
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -34,7 +32,8 @@ from ...models.errors import FlatrigError, OptionError, did_you_mean
 from ...models.files import write_text
 from .. import options
 from ..compare.report import make_folder
-from ..console import console, table, warning
+from ..console import console, warning
+from ..tables import table, write_csv
 from . import episode_cases as stress_cases_envs
 from . import random_cases as stress_cases_random
 from . import run_cases as stress_cases_runs
@@ -62,7 +61,8 @@ def main(command: options.Stress) -> int:
     make_folder(folder)
     begin = time.perf_counter()
     outcomes = run(chosen, folder, command)
-    write_text(folder / "stress.csv", _csv(outcomes))
+    columns = [item.name for item in fields(Outcome)]
+    write_csv(folder / "stress.csv", columns, map(astuple, outcomes))
     out.print(summary(outcomes))
     wrong = [outcome for outcome in outcomes if outcome.ending == WRONG]
     for one in wrong[:TOLD]:
@@ -161,15 +161,6 @@ def _read(file: Path, mark: str) -> dict[tuple[str, str], Outcome]:
     except (OSError, ValueError, KeyError, TypeError):
         return {}
     return {(one.row, one.label): one for one in outcomes}
-
-
-def _csv(outcomes: Iterable[Outcome]) -> str:
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow([item.name for item in fields(Outcome)])
-    rows.writerows(["" if value is None else value for value in asdict(one).values()]
-                   for one in outcomes)  # fmt: skip
-    return text.getvalue()
 
 
 def summary(outcomes: Sequence[Outcome]) -> Table:
