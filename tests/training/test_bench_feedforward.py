@@ -1,6 +1,7 @@
 """`flatrig bench feedforward`: what it measures, keeps, writes and refuses."""
 
 import csv
+import functools
 import math
 from pathlib import Path
 
@@ -192,6 +193,7 @@ def test_command_writes_tables_and_figure_and_resumes(
     assert float(order["inputs in theory"]) == 3
     assert Path("out/overhead_crane.png").stat().st_size > 10_000
 
+    @functools.wraps(Unit.runs)
     def not_again(unit: Unit) -> list[Run]:
         raise AssertionError(unit)
 

@@ -150,8 +150,9 @@ def test_exit_status_and_what_is_said(tmp_path, capsys):
 def test_resuming_computes_only_what_is_missing_or_of_another_model(tmp_path, monkeypatch):
     computed = []
 
-    def row(name, step):
-        computed.append((name, step))
+    def row(unit):
+        name, step = unit
+        computed.append(unit)
         return [regress.Row(name, "RK4", step, 1.0, 1.0, math.inf, math.nan, 1.0)]
 
     monkeypatch.setattr(regress, "_rows", row)
@@ -159,7 +160,7 @@ def test_resuming_computes_only_what_is_missing_or_of_another_model(tmp_path, mo
     again = regress.measure(["overhead_crane", "rotary_crane"], tmp_path, resume=True)
     assert computed == [("overhead_crane", 1e-2), ("rotary_crane", 1e-2)]
     assert_allclose(dataclasses.astuple(again[0])[2:], dataclasses.astuple(first[0])[2:])
-    monkeypatch.setattr(regress, "fingerprint", lambda name: "changed")
+    monkeypatch.setattr(regress, "make", lambda name: models.make(name, load_mass=90.0))
     regress.measure(["overhead_crane"], tmp_path, resume=True)
     assert computed[2:] == [("overhead_crane", 1e-2)]
 

@@ -13,27 +13,21 @@ figure.  Ratios to the exact solution are medians of runs timed in turns, one at
 Two processes work side by side, each on one core: other load on the machine shows in the times.
 """
 
-import json
-import os
-from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import asdict, astuple, fields
-from multiprocessing import get_context
+from collections.abc import Iterable, Sequence
+from dataclasses import astuple, fields
 from pathlib import Path
-
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from ...feedforward import dae
 from ...models import full_name
 from ...models.errors import OptionError, did_you_mean
-from ...models.files import write_text
 from .. import options
 from ..console import console
+from ..jobs import Jobs, Processes
 from ..tables import write_csv
 from . import trial_figures as bench_figures
 from . import trial_tables as bench_tables
 from .peers import PEERS
-from .trials import BY_NAME, CASES, COUNTS, EXACT, LONGEST, ORDER, STRETCH, Run, Unit
+from .trials import BY_NAME, CASES, EXACT, Run, Unit
 
 FOLDER = "results/bench"
 ONE_RIG, ONE_FORMULATION = "rotary_crane", "minimal extension"
@@ -49,8 +43,7 @@ def main(command: options.Bench) -> None:
         out.print(f"{name} is not installed (pip install 'flatrig[peers]'), it is left out")
     chosen = [unit for unit in chosen if unit.name not in BY_NAME or BY_NAME[unit.name].present]
     folder = Path(command.output or FOLDER)
-    parts = None if picture else folder / "parts"
-    runs = measure(chosen, parts, command.resume, command.processes)
+    runs = measure(chosen, None if picture else folder, command.resume, command.processes)
     cases = list(dict.fromkeys(run.case for run in runs))
     if picture:
         bench_figures.one(folder, runs, chosen[0].case, _formulation(chosen))
@@ -117,62 +110,21 @@ def absent(chosen: Iterable[Unit]) -> list[str]:
 
 
 def measure(
-    chosen: Sequence[Unit], parts: Path | None, resume: bool = False, processes: int = 1
+    chosen: Sequence[Unit], folder: Path | None, resume: bool = False, processes: int = 1
 ) -> list[Run]:
-    """Runs of the units, in their order; each unit leaves a file in the folder `parts`.
+    """Runs of the units, in their order; `FOLDER/progress.jsonl` keeps what is done.
 
     Raises
     ------
     OutputError
         The folder cannot be written to.
     """
-    done: dict[Unit, list[Run]] = {}
-    if parts is not None and resume:
-        kept = {unit: _read(_part(parts, unit), unit) for unit in chosen}
-        done = {unit: runs for unit, runs in kept.items() if runs is not None}
-    left = [unit for unit in chosen if unit not in done]
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
-               TimeElapsedColumn())  # fmt: skip
-    with Progress(*columns, console=console(), transient=True) as bar:
-        task = bar.add_task("Running", total=len(chosen), completed=len(done))
-        for unit, runs in _measured(left, processes):
-            done[unit] = runs
-            bar.advance(task)
-            if parts is not None:
-                part = {"mark": _mark(unit), "runs": [asdict(run) for run in runs]}
-                write_text(_part(parts, unit), json.dumps(part) + "\n")
-    return [run for unit in chosen for run in done[unit]]
-
-
-def _measured(left: Sequence[Unit], processes: int) -> Iterator[tuple[Unit, list[Run]]]:
-    """Units with their runs as they come, from processes of their own if there are several."""
-    if processes == 1:
-        yield from ((unit, unit.runs()) for unit in left)
-        return
-    os.environ.setdefault("OMP_NUM_THREADS", "1")  # one core for each process
-    pool = ProcessPoolExecutor(processes, get_context("spawn"))
-    try:
-        asked = {pool.submit(unit.runs): unit for unit in left}
-        for future in as_completed(asked):
-            yield asked[future], future.result()
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-
-
-def _mark(unit: Unit) -> str:
-    """The same for units that would run the same."""
-    return repr((unit, CASES[unit.case].move, ORDER, STRETCH, COUNTS, LONGEST))
-
-
-def _part(parts: Path, unit: Unit) -> Path:
-    name = f"{unit.case}-{unit.name}".replace(", ", "_").replace(" ", "_")
-    return parts / f"{name}.json"
-
-
-def _read(file: Path, unit: Unit) -> list[Run] | None:
-    """What an interrupted run has left; None if there is nothing, or of something else."""
-    try:
-        part = json.loads(file.read_text(encoding="utf-8"))
-        return [Run(**run) for run in part["runs"]] if part["mark"] == _mark(unit) else None
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+    jobs = Jobs(
+        Unit.runs,
+        Processes(processes),
+        file=None if folder is None else folder / "progress.jsonl",
+        resume=resume,
+        decode=lambda runs: [Run(**run) for run in runs],
+        identity=lambda unit: (unit, CASES[unit.case].rig, CASES[unit.case].move),
+    )
+    return [run for runs in jobs.values(chosen) for run in runs]

@@ -14,26 +14,23 @@ that a model, a move or the feedforward did change.  A run that breaks down, or 
 `LOST` from its path, has an infinite error, and must have one.
 """
 
-import hashlib
-import json
 import math
 from collections.abc import Iterable
-from dataclasses import asdict, astuple, dataclass
-from functools import cache
+from dataclasses import astuple, dataclass
+from itertools import product
 from pathlib import Path
 
 import mujoco
 import numpy as np
-from rich.progress import track
 from rich.table import Table
 
 from ...feedforward import Reference, from_move
 from ...models import CATALOGUE, Rig, default_move, full_name, make
 from ...models.errors import ModelError
-from ...models.files import write_text
 from ...models.mjcf import rig_model as mjcf
 from .. import options
 from ..console import console, warning
+from ..jobs import Jobs
 from ..simulate.drift import DURATION, Drift, Free, drift, free_motion
 from ..simulate.open_loop import Prepared, prepare
 from ..tables import table, write_csv
@@ -118,49 +115,26 @@ def main(command: options.Regress) -> int:
 
 
 def measure(names: Iterable[str], folder: Path, resume: bool = False) -> list[Row]:
-    """All rows of these models; every model and time step leaves a file in `FOLDER/parts`.
+    """All rows of these models; `FOLDER/progress.jsonl` keeps what is done.
 
     Raises
     ------
     OutputError
         The folder cannot be written to.
     """
-    units = [(name, step) for name in names for step in STEPS]
-    rows: list[Row] = []
-    for name, step in track(units, "Running", transient=True, console=console()):
-        file = folder / "parts" / f"{name}-{1e3 * step:g}ms.json"
-        mark = fingerprint(name)
-        done = _read_part(file, mark) if resume else None
-        if done is None:
-            done = _rows(name, step)
-            part = {"mark": mark, "rows": [asdict(row) for row in done]}
-            write_text(file, json.dumps(part, indent=1) + "\n")
-        rows += done
-    return rows
+    jobs = Jobs(
+        _rows,
+        file=folder / "progress.jsonl",
+        resume=resume,
+        decode=lambda rows: [Row(**row) for row in rows],
+        identity=lambda unit: (unit, make(unit[0]), default_move(unit[0]), free_motion(unit[0])),
+    )
+    return [row for rows in jobs.values([*product(names, STEPS)]) for row in rows]
 
 
-@cache
-def fingerprint(name: str) -> str:
-    """Of the models, the move and MuJoCo's version: the same for runs that ought to agree."""
-    models = "".join(mjcf.spec(rig, visuals=False).to_xml() for rig in _rigs(name))
-    text = f"{models}{default_move(name)}{free_motion(name)[1:]}{mujoco.__version__}"
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def _rigs(name: str) -> tuple[Rig, Rig]:
-    return make(name), free_motion(name).rig
-
-
-def _read_part(file: Path, mark: str) -> list[Row] | None:
-    """Rows of an earlier run; None if there are none or they are of another model."""
-    try:
-        part = json.loads(file.read_text(encoding="utf-8"))
-        return [Row(**row) for row in part["rows"]] if part["mark"] == mark else None
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
-
-
-def _rows(name: str, step: float) -> list[Row]:
+def _rows(unit: tuple[str, float]) -> list[Row]:
+    """Rows of a model with a time step [s], one for each integrator."""
+    name, step = unit
     rig = make(name)
     reference, free = from_move(default_move(rig)), free_motion(name)
     prepared = prepare(rig, reference, step)

@@ -13,26 +13,20 @@ To add a case: a function that returns what it found, and a line in `cases` of o
 `stress_cases_*.py`.
 """
 
-import json
-import os
 import time
-from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
-from dataclasses import asdict, astuple, fields
-from multiprocessing import get_context
+from collections.abc import Iterator, Sequence
+from dataclasses import astuple, fields
 from pathlib import Path
 
 import mujoco
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
-from ...models.errors import FlatrigError, OptionError, did_you_mean
-from ...models.files import write_text
+from ...models.errors import OptionError, did_you_mean
 from .. import options
 from ..compare.report import make_folder
 from ..console import console, warning
+from ..jobs import Jobs, Processes, Result
 from ..tables import table, write_csv
 from . import episode_cases as stress_cases_envs
 from . import random_cases as stress_cases_random
@@ -42,10 +36,6 @@ from . import stiff_cases as stress_cases_stiff
 from .case import ENDINGS, WRONG, Case, Outcome, judge
 
 FOLDER = "results/stress"
-CHUNK = 20
-"""Cases that a process takes at once."""
-SAVED = 10.0
-"""Seconds between two savings of what is done."""
 TOLD = 10
 """Wrong cases that are told on the console; all are in the CSV."""
 SHOWN = 4
@@ -100,40 +90,25 @@ def _chosen(every: list[Case], only: str) -> list[Case]:
 
 
 def run(chosen: Sequence[Case], folder: Path, command: options.Stress) -> list[Outcome]:
-    """Outcomes of the cases, in their order; what is done is kept in `FOLDER/progress.json`."""
-    file = folder / "progress.json"
-    mark = f"MuJoCo {mujoco.__version__}, seed {command.seed}"
-    done = _read(file, mark) if command.resume else {}
-    left = [case for case in chosen if (case.row, case.label) not in done]
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
-               TimeElapsedColumn())  # fmt: skip
-    saved = time.monotonic()
-    try:
-        with Progress(*columns, console=console(), transient=True) as bar:
-            task = bar.add_task("Running", total=len(chosen), completed=len(chosen) - len(left))
-            for outcomes in _judged(left, command.processes):
-                done |= {(one.row, one.label): one for one in outcomes}
-                bar.advance(task, len(outcomes))
-                if time.monotonic() > saved + SAVED:
-                    saved = time.monotonic()
-                    _save(file, mark, done.values())
-    finally:
-        _save(file, mark, done.values())
-    return [done[case.row, case.label] for case in chosen]
+    """Outcomes of the cases, in their order; `FOLDER/progress.jsonl` keeps what is done."""
+    jobs = Jobs(
+        judge,
+        Processes(command.processes, begin=quiet),
+        retries=1,
+        file=folder / "progress.jsonl",
+        resume=command.resume,
+        decode=lambda outcome: Outcome(**outcome),
+        identity=lambda case: (case.row, case.label, command.seed),
+    )
+    results = sorted(jobs.results(chosen), key=lambda result: result.number)
+    return [_outcome(result) for result in results]
 
 
-def _judged(left: Sequence[Case], processes: int) -> Iterator[list[Outcome]]:
-    """Outcomes as they come, from processes of their own."""
-    os.environ.setdefault("OMP_NUM_THREADS", "1")  # one core for each process
-    pool = ProcessPoolExecutor(processes, get_context("spawn"), quiet)
-    try:
-        chunks = [left[i : i + CHUNK] for i in range(0, len(left), CHUNK)]
-        for future in as_completed([pool.submit(judge_all, chunk) for chunk in chunks]):
-            yield future.result()
-    except BrokenProcessPool:
-        raise FlatrigError("a process was ended from outside; --resume goes on after it") from None
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
+def _outcome(result: Result[Case, Outcome]) -> Outcome:
+    """How a case ended; wrong if it took its process down."""
+    if result.failure is None:
+        return result.value
+    return Outcome(result.item.row, result.item.label, WRONG, str(result.failure))
 
 
 def quiet() -> None:
@@ -141,26 +116,6 @@ def quiet() -> None:
     log = mujoco.MjLogConfig.get()
     log.logto_console = log.logto_file = False
     log.set()
-
-
-def judge_all(some: Iterable[Case]) -> list[Outcome]:
-    """Outcomes of some cases."""
-    return [judge(case) for case in some]
-
-
-def _save(file: Path, mark: str, outcomes: Iterable[Outcome]) -> None:
-    rows = [list(asdict(outcome).values()) for outcome in outcomes]
-    write_text(file, json.dumps({"mark": mark, "outcomes": rows}) + "\n")
-
-
-def _read(file: Path, mark: str) -> dict[tuple[str, str], Outcome]:
-    """What an interrupted run of the same kind has left, by row and label."""
-    try:
-        kept = json.loads(file.read_text(encoding="utf-8"))
-        outcomes = [Outcome(*row) for row in kept["outcomes"]] if kept["mark"] == mark else []
-    except (OSError, ValueError, KeyError, TypeError):
-        return {}
-    return {(one.row, one.label): one for one in outcomes}
 
 
 def summary(outcomes: Sequence[Outcome]) -> Table:
