@@ -98,7 +98,7 @@ def test_controllers_do_what_their_names_say(runner: compare.Runner) -> None:
 
 
 def test_the_evaluation_uses_seeds_that_training_does_not() -> None:
-    from flatrig.training.learn.train import VALIDATION_SEED
+    from flatrig.training.learn.settings import VALIDATION_SEED
 
     ours = compare.scenarios_for(RIG, 5)
     assert ours == compare.scenarios_for(RIG, 5)

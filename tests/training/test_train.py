@@ -22,7 +22,7 @@ from flatrig.models.errors import OptionError
 from flatrig.training.cli import main
 from flatrig.training.learn.ppo import Training
 from flatrig.training.learn.sb3 import export
-from flatrig.training.learn.train import Settings
+from flatrig.training.learn.settings import Settings
 from flatrig.training.options import Train
 from flatrig.training.policy import Policy
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .sb3 import Adapter
 
 NAME = "checkpoint"
+"""Both files without their suffixes."""
 
 
 def write(folder: Path, model: "PPO", adapter: "Adapter", state: dict[str, Any]) -> None:
@@ -45,19 +46,19 @@ def read(folder: Path, model: "PPO", adapter: "Adapter") -> dict[str, Any]:
         The files are missing, damaged, or of another network.
     """
     try:
-        held = json.loads((folder / f"{NAME}.json").read_text(encoding="utf-8"))
-        state = {"steps": int(held["steps"])} | {k: float(held[k]) for k in ("spent", "best")}
+        entries = json.loads((folder / f"{NAME}.json").read_text(encoding="utf-8"))
+        state = {"steps": int(entries["steps"])} | {k: float(entries[k]) for k in ("spent", "best")}
         tensors = load_file(folder / f"{NAME}.safetensors")
-        network = {
-            k.removeprefix("network."): v for k, v in tensors.items() if k.startswith("network.")
-        }
-        model.policy.load_state_dict(network)
+        network: dict[str, torch.Tensor] = {}
         moments: dict[int, dict[str, torch.Tensor]] = {}
         for key, value in tensors.items():
-            kind, _, rest = key.partition(".")
-            if kind == "adam":
-                index, _, name = rest.partition(".")
+            kind, _, name = key.partition(".")
+            if kind == "network":
+                network[name] = value
+            elif kind == "adam":
+                index, _, name = name.partition(".")
                 moments.setdefault(int(index), {})[name] = value
+        model.policy.load_state_dict(network)
         optimiser = model.policy.optimizer
         optimiser.load_state_dict({**optimiser.state_dict(), "state": moments})
         normaliser = adapter.normaliser

@@ -19,21 +19,16 @@ from ..compare.compare_cranes import Runner, environment, scenarios_for, with_re
 from ..policy import Card, Policy
 from ..tables import append_csv
 from . import checkpoint
+from .run_folder import command_line, versions
 from .sb3 import Adapter, Network, export
+from .settings import VALIDATION_SCENARIOS, VALIDATION_SEED, Settings
 from .student import Student
 from .teacher import Teacher
-from .train import (
-    VALIDATION_SCENARIOS,
-    VALIDATION_SEED,
-    Settings,
-    command_line,
-    versions,
-)
 from .tutor import Tutor
 
 
 class Training:
-    """One training run."""
+    """One training run: its environments, its network, and the best policy so far."""
 
     def __init__(
         self,
@@ -98,7 +93,7 @@ class Training:
         result = self.judge.residual(best, self.fraction)
         self.out.print(
             f"best policy, of decision {best.card.training['steps']}: "
-            f"{self._said(float(result.rmse.mean()), int(result.failed.sum()))} "
+            f"{self._in_words(float(result.rmse.mean()), int(result.failed.sum()))} "
             "on the validation scenarios that it was selected on; "
             f"{self.steps} decisions in {self.spent / 60:.1f} min; "
             f"written to {self.folder}/policy.json",
@@ -106,7 +101,7 @@ class Training:
         )
         return best
 
-    def _said(self, rmse: float, failed: int) -> str:
+    def _in_words(self, rmse: float, failed: int) -> str:
         """An evaluation in words."""
         early = f", {failed} ended early" if failed else ""
         return f"{1e3 * rmse:.1f} mm ({100 * (rmse / self.base - 1.0):+.0f} %){early}"
@@ -133,11 +128,11 @@ class Training:
             self.best = rmse + failed
             training = row | {"command": command_line(), "seed": self.command.seed}
             training |= {"envs": self.command.envs, "versions": versions()}
-            replace_card = replace(policy, card=replace(self.card, training=training))
-            replace_card.save(self.folder / "policy")
+            best = replace(policy, card=replace(self.card, training=training))
+            best.save(self.folder / "policy")
         state = {"steps": self.steps, "spent": self.spent, "best": self.best}
         checkpoint.write(self.folder, self.model, self.adapter, state)
-        return self._said(rmse, failed)
+        return self._in_words(rmse, failed)
 
     def _model(self) -> Student:
         settings = self.settings
@@ -167,15 +162,15 @@ class Training:
         settings, progress = self.settings, self.progress()
         if progress < settings.imitation:
             return settings.imitation_rate
-        left = (1.0 - progress) / max(1.0 - settings.imitation, 1e-9)
-        return settings.learning_rate * (0.1 + 0.9 * left)
+        remaining = (1.0 - progress) / max(1.0 - settings.imitation, 1e-9)  # imitation may be all
+        return settings.learning_rate * (0.1 + 0.9 * remaining)
 
     def _resume(self) -> None:
         state = checkpoint.read(self.folder, self.model, self.adapter)
         self.steps = self.model.num_timesteps = state["steps"]
         self.spent, self.best = state["spent"], state["best"]
         chance = np.random.SeedSequence([self.command.seed, self.steps])
-        self.model.set_random_seed(int(chance.generate_state(1)[0]))  # what was seen is not again
+        self.model.set_random_seed(int(chance.generate_state(1)[0]))  # other scenarios than before
 
 
 class _Watch(BaseCallback):
@@ -201,14 +196,14 @@ class _Watch(BaseCallback):
         count = int(progress * training.command.evaluations)
         if count > self.done and progress < 1.0:
             self.done = count
-            found = training.evaluate()
-            self.bar.console.print(f"{training.spent / 60.0:5.1f} min  {found}")
-            self.bar.update(self.task, description=found)
+            verdict = training.evaluate()
+            self.bar.console.print(f"{training.spent / 60.0:5.1f} min  {verdict}")
+            self.bar.update(self.task, description=verdict)
         self.bar.update(self.task, completed=progress)
 
 
 class _Progress(KVWriter):
-    """Appends what SB3 tells of each update to progress.csv."""
+    """Appends what SB3 logs of each update to progress.csv."""
 
     COLUMNS = (
         "rollout/ep_rew_mean",

@@ -8,9 +8,9 @@ from ...models import Rig
 from ...models.types import Array
 
 POINTS = 17
-"""Of the path at which the map is linearised; in between it is interpolated."""
+"""Points of the path at which the map is linearised; in between it is interpolated."""
 STEP = 1e-3
-"""Of the differences [m]."""
+"""Step of the central differences [m]: far above the rounding of `solve`, far below a rope."""
 
 
 def drive_jacobian(rig: Rig, reference: Reference, times: Array) -> Array:
@@ -23,7 +23,7 @@ def drive_jacobian(rig: Rig, reference: Reference, times: Array) -> Array:
     reference
         Path of its outputs.
     times
-        [s], shape (N,).
+        Where the derivatives are wanted [s], shape (N,).
 
     Returns
     -------
@@ -31,7 +31,7 @@ def drive_jacobian(rig: Rig, reference: Reference, times: Array) -> Array:
         Shape (N, drives, outputs), [1] or [rad/m].
     """
     instants = np.linspace(0.0, reference.duration, POINTS)
-    found = np.zeros((POINTS, len(rig.drives), reference.size))
+    jacobian = np.zeros((POINTS, len(rig.drives), reference.size))
     for k, point in enumerate(reference(instants)):
         for column in range(reference.size):
             ends = []
@@ -39,12 +39,12 @@ def drive_jacobian(rig: Rig, reference: Reference, times: Array) -> Array:
                 moved = point.copy()
                 moved[column] += sign * STEP
                 ends.append(solve(rig, hold(moved), 0.0).drive_positions[0])
-            found[k, :, column] = _turn(ends[0] - ends[1]) / (2.0 * STEP)
-    flat = found.reshape(POINTS, -1)
+            jacobian[k, :, column] = _without_turns(ends[0] - ends[1]) / (2.0 * STEP)
+    flat = jacobian.reshape(POINTS, -1)
     columns = [np.interp(times, instants, values) for values in flat.T]
-    return np.stack(columns, axis=1).reshape(len(times), *found.shape[1:])
+    return np.stack(columns, axis=1).reshape(len(times), *jacobian.shape[1:])
 
 
-def _turn(difference: Array) -> Array:
+def _without_turns(difference: Array) -> Array:
     """Small differences, of angles perhaps, without whole turns."""
     return np.asarray(np.remainder(difference + np.pi, 2.0 * np.pi) - np.pi)

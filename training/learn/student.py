@@ -14,7 +14,7 @@ import torch
 from stable_baselines3 import PPO
 from torch.nn.functional import mse_loss
 
-from .train import Settings
+from .settings import Settings
 
 
 class Student(PPO):
@@ -47,15 +47,15 @@ class Student(PPO):
         head: Any = network.action_net
         network.set_training_mode(True)
         for _ in range(self.settings.gradients):
-            places, said = self.lessons[int(torch.randint(len(self.lessons), ()))]
+            places, answers = self.lessons[int(torch.randint(len(self.lessons), ()))]
             pick = torch.randint(len(places), (self.batch_size,))
-            wrong = mse_loss(head(parts.forward_actor(places[pick])), said[pick])
+            error = mse_loss(head(parts.forward_actor(places[pick])), answers[pick])
             pick = torch.randint(len(seen), (self.batch_size,))
             value = network.value_net(parts.forward_critic(seen[pick]))[:, 0]
-            loss = wrong + self.vf_coef * mse_loss(value, returns[pick])
+            loss = error + self.vf_coef * mse_loss(value, returns[pick])
             network.optimizer.zero_grad()
             loss.backward()  # type: ignore[no-untyped-call]
             torch.nn.utils.clip_grad_norm_(network.parameters(), self.max_grad_norm)
             network.optimizer.step()
-        self.logger.record("train/imitation_loss", float(wrong.detach()))
-        self.logger.record("train/value_loss", float(loss.detach() - wrong.detach()))
+        self.logger.record("train/imitation_loss", float(error.detach()))
+        self.logger.record("train/value_loss", float(loss.detach() - error.detach()))

@@ -23,7 +23,7 @@ HORIZONTAL = (1.0, 1.0, 0.0)
 VERTICAL = (2.0, 0.4, 4.0)
 """The same for heights, which drives reach directly: the rope carries no swing there."""
 MEMORY = 0.2
-"""Bound of the integral [m s]."""
+"""Bound of the integral [m s], which would otherwise wind up while a drive is at its limit."""
 
 
 class Teacher:
@@ -35,8 +35,8 @@ class Teacher:
         steps = int(task.rows.length.max()) + 1
         self._map = drive_jacobian(rig, reference, task.period * np.arange(steps))
         self._stiffness = gains_of(task).stiffness
-        usual = np.linalg.norm(self._map, axis=2).mean(axis=0)
-        self.fractions = np.minimum(self._stiffness * usual * reach / task.limits, 1.0)
+        travel = np.linalg.norm(self._map, axis=2).mean(axis=0)
+        self.fractions = np.minimum(self._stiffness * travel * reach / task.limits, 1.0)
         up = np.array([name.endswith(".z") for name in rig.outputs])
         weights = np.where(up, np.array([VERTICAL]).T, np.array([HORIZONTAL]).T)
         self._error, self._rate, self._integral = weights
@@ -51,15 +51,15 @@ class Teacher:
     def watch(self, ids: Any = slice(None)) -> None:
         """Take in the present state; time has gone on in some simulations."""
         task = self._task
-        self._off = task.rows.parts["outputs"] - task.plant.outputs
+        self._offset = task.rows.parts["outputs"] - task.plant.outputs
         self._drift = task.rows.parts["output_rates"] - task.plant.output_rates
-        self._sum[ids] += task.period * self._off[ids]
+        self._sum[ids] += task.period * self._offset[ids]
         np.clip(self._sum, -MEMORY, MEMORY, out=self._sum)
         self._step[ids] += 1
 
     def advice(self) -> Array:
         """Residuals as shares of `fractions`, (n, drives) in [-1, 1]."""
-        wanted = self._error * self._off + self._rate * self._drift + self._integral * self._sum
+        push = self._error * self._offset + self._rate * self._drift + self._integral * self._sum
         rows = self._map[np.minimum(self._step, len(self._map) - 1)]
-        force = self._stiffness * np.einsum("nij,nj->ni", rows, wanted)
+        force = self._stiffness * np.einsum("nij,nj->ni", rows, push)
         return np.asarray(np.clip(force / (self._task.limits * self.fractions), -1.0, 1.0))

@@ -13,7 +13,7 @@ from .teacher import Teacher
 REWARD = 0.1
 """Largest reward of one control period."""
 FAILURE = 2.0
-"""Taken off when an episode ends early; about what is lost by standing still for a second."""
+"""Penalty when an episode ends early; about what is lost by standing still for a second."""
 EFFORT = 0.02
 """Share of the reward that a full residual costs."""
 
@@ -38,15 +38,15 @@ class Tutor(gym.vector.VectorWrapper[Any, Any, Any, Any, Any]):
         width = len(self._order) + self._hints.shape[1]
         self.single_observation_space = gym.spaces.Box(-np.inf, np.inf, (width,), np.float64)
 
-    def reset(self, **given: Any) -> tuple[Array, dict[str, Any]]:
+    def reset(self, **keywords: Any) -> tuple[Array, dict[str, Any]]:
         """As the environment's."""
-        observation, info = self.env.reset(**given)
-        chosen = (given.get("options") or {}).get("reset_mask", np.ones(self.num_envs, bool))
-        for sim in np.flatnonzero(chosen):
+        observation, info = self.env.reset(**keywords)
+        mask = (keywords.get("options") or {}).get("reset_mask", np.ones(self.num_envs, bool))
+        for sim in np.flatnonzero(mask):
             self._hints[sim] = _hints(self._task.scenarios[sim], self._weight)
-        self._teacher.reset(chosen)
-        self._teacher.watch(chosen)
-        return self._told(observation), info
+        self._teacher.reset(mask)
+        self._teacher.watch(mask)
+        return self._ordered(observation), info
 
     def step(self, actions: Array) -> tuple[Array, Array, Mask, Mask, dict[str, Any]]:
         """As the environment's, with the tutor's reward."""
@@ -56,13 +56,14 @@ class Tutor(gym.vector.VectorWrapper[Any, Any, Any, Any, Any]):
         effort = np.square(actions).mean(axis=1)
         reward = REWARD * (1.0 - distance / self._scale - EFFORT * effort)
         reward = np.where(terminated, -FAILURE, reward)
-        return self._told(observation), reward, terminated, truncated, info
+        return self._ordered(observation), reward, terminated, truncated, info
 
     def advice(self) -> Array:
         """What the teacher would do now, (n, drives) in [-1, 1]."""
         return self._teacher.advice()
 
-    def _told(self, observation: Array) -> Array:
+    def _ordered(self, observation: Array) -> Array:
+        """The observation with its public entries first, and the hints at its end."""
         return np.concatenate((observation[:, self._order], self._hints), axis=1)
 
 
