@@ -50,6 +50,31 @@ class Profile(Protocol):
         """Derivatives d^k c / ds^k, k = 0 .. `order`; s of shape (N,), result (order+1, N)."""
 
 
+def progress(profile: Profile, times: Array, duration: float, order: int) -> Array:
+    """How far along a path is, as Taylor coefficients in time, shape (order + 1, N).
+
+    Parameters
+    ----------
+    profile
+        What says so.
+    times
+        Instants [s], shape (N,).
+    duration
+        When the profile ends [s].
+    order
+        Of the highest coefficient.
+    """
+    derivatives = profile.derivatives(fractions(times, duration), order)
+    scale = np.array([math.factorial(k) * duration**k for k in range(order + 1)])
+    return np.asarray(derivatives / scale[:, None])
+
+
+def fractions(times: Array, duration: float) -> Array:
+    """Times as fractions of a duration; infinite for one at the end of the world, outside."""
+    with np.errstate(over="ignore"):
+        return np.asarray(times / duration)
+
+
 @dataclass(frozen=True)
 class AtRest:
     """The profile that stays at 0: a path that never leaves its start."""

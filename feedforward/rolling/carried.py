@@ -8,8 +8,9 @@ from ...models.errors import PathError
 from ...models.hand.hand import Hand, Plate
 from ...models.hand.move import HandMove
 from ...models.types import Array
-from ..series.products import between, share
+from ..series.products import between
 from .kinematics import cross_matrix, projector
+from .progress import share
 
 TOLERANCE = 1e-9
 """[m]"""
@@ -28,7 +29,7 @@ class Carried:
 
     def position(self, times: Array, swept: Array) -> Array:
         """Series (orders, N, 3), with the series of W, the integral of the angular velocity."""
-        part = share(times, self.move.duration, self.move.order)
+        part = share(self.move, times)
         series = between(np.zeros(3), self.free @ np.array(self.move.shift), part)
         series = series + swept @ self.rolled.T
         series[0] += self.hand.position

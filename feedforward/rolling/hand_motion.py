@@ -9,7 +9,7 @@ from ...models.files import replacing
 from ...models.hand.hand import Hand
 from ...models.hand.move import HandMove
 from ...models.types import Array
-from ..series.products import rpy_angles
+from ..series.rotation import rpy_angles
 
 AXES = ("x", "y", "z")
 

@@ -13,7 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from ...models.hand.move import HandMove
 from ...models.types import Array
-from ..series.products import ORDERS, about_axis, between, matmul, rotation_of, rpy_matrix, share
+from ..series.products import between, matmul
+from ..series.rotation import about_axis, rotation_of, rpy_matrix
+from .progress import ORDERS, share
 
 Axes = tuple[tuple[float, ...], ...]
 """Rows of a rotation, hashable."""
@@ -39,7 +41,7 @@ class ByAngles:
 
     def rotation(self, times: Array) -> Array:
         """See `Turning`."""
-        part = share(times, self.move.duration, self.move.order)
+        part = share(self.move, times)
         return rpy_matrix(between(np.array(self.move.start), np.array(self.move.goal), part))
 
 
@@ -60,7 +62,7 @@ class AboutAxis:
 
     def turned(self, times: Array, factor: float) -> Array:
         """Rotation about the same axis by `factor` times the angle, (ORDERS, N, 3, 3)."""
-        part = share(times, self.move.duration, self.move.order)
+        part = share(self.move, times)
         return about_axis(factor * self.vector, part)
 
     def rotation(self, times: Array) -> Array:

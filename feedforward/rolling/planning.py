@@ -26,7 +26,7 @@ from ...models.hand.hand import Hand, Plate
 from ...models.hand.move import HandMove
 from ...models.types import Array
 from ..checks import check_duration, check_order, check_times
-from ..series.products import angular_velocity
+from ..series.rotation import angular_velocity
 from .carried import Carried, carried_by
 from .hand_motion import HandMotion
 from .limits import check_limits

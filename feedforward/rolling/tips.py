@@ -10,9 +10,10 @@ from ...models.hand.catalogue import on_sphere
 from ...models.hand.hand import Hand, Tip
 from ...models.hand.move import HandMove
 from ...models.types import Array
-from ..series.products import apply, between, cross, derivative, dot, quotient, rotation_of, share
-from ..series.rotation import product, sine_cosine
+from ..series.products import apply, between, cross, derivative, dot, product, quotient
+from ..series.rotation import rotation_of, sine_cosine
 from .orientation import AboutAxis, Turning
+from .progress import share
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +48,7 @@ class TurningTip:
 
     def direction(self, times: Array, rotation: Array) -> Array:
         """Series (orders, N, 3) of the direction to the contact, in space."""
-        part = share(times, self.move.duration, self.move.order)
+        part = share(self.move, times)
         angles = between(np.array(self.start), np.array(self.goal), part)
         (sine, cosine), (height, level) = (sine_cosine(angles[..., i]) for i in (0, 1))
         own = np.stack((product(level, cosine), product(level, sine), height), axis=-1)

@@ -27,18 +27,10 @@ from scipy.spatial.transform import Rotation
 from ...models.errors import PathError
 from ...models.hand.move import HandMove
 from ...models.types import Array
-from ..series.products import (
-    ORDERS,
-    compose,
-    derivative,
-    quotient,
-    rotation_of,
-    rpy_angles,
-    rpy_matrix,
-    share,
-)
-from ..series.rotation import product, sine_cosine
+from ..series.products import compose, derivative, product, quotient
+from ..series.rotation import rotation_of, rpy_angles, rpy_matrix, sine_cosine
 from .orientation import Axes, turned_by
+from .progress import ORDERS, share
 from .without_spin import LARGEST_THETA
 
 LEAST_TURN = math.pi / 2
@@ -166,13 +158,13 @@ class WithSpin:
 
     def rotation(self, times: Array) -> Array:
         """See `turning.Turning`."""
-        part = share(times, self.move.duration, self.move.order)
+        part = share(self.move, times)
         rotation = rpy_matrix(compose(self._states(part[0])[0], part))
         return rotation if self.axes is None else turned_by(rotation, np.array(self.axes))
 
     def swept(self, times: Array) -> Array:
         """Integral of the angular velocity, as far as the contact point shows it, (N, 3)."""
-        x, y = self._states(share(times, self.move.duration, self.move.order)[0])[1][0].T
+        x, y = self._states(share(self.move, times)[0])[1][0].T
         return np.stack((-y, x, np.zeros_like(x)), axis=-1) / self.radius
 
     @property

@@ -23,16 +23,10 @@ from scipy.spatial.transform import Rotation
 from ...models.errors import PathError
 from ...models.hand.move import HandMove
 from ...models.types import Array
-from ..series.products import (
-    angular_velocity,
-    derivative,
-    rotation_of,
-    rpy_angles,
-    rpy_matrix,
-    share,
-)
-from ..series.rotation import product, sine_cosine
+from ..series.products import derivative, product
+from ..series.rotation import angular_velocity, rotation_of, rpy_angles, rpy_matrix, sine_cosine
 from .orientation import Axes, turned_by
+from .progress import share
 
 LARGEST_THETA = math.radians(80.0)
 """Beyond it phi and psi turn fast while the object hardly does."""
@@ -108,7 +102,7 @@ class WithoutSpin:
 
     def angles(self, times: Array) -> Array:
         """Series of (phi, theta, psi) in the axes, (ORDERS, N, 3)."""
-        part = share(times, self.move.duration, self.move.order)
+        part = share(self.move, times)
         theta = part * (self.goal[1] - self.start[1])
         theta[0] += self.start[1]
         away = theta.copy()

@@ -1,39 +1,46 @@
-"""Taylor series in time of angles, rotations and angular velocities.
+"""Products, quotients and compositions of Taylor series in time.
 
-A series is an array whose first axis is the order of the Taylor coefficient, as in
-`feedforward.series.rotation`; here rotations are RPY, Rz(phi) Ry(theta) Rx(psi) (K 2.15).
+A series is an array whose first axis is the order of the Taylor coefficient; the other axes belong
+to the thing itself, of shape (orders, N) for a scalar at N samples.  Sums of products are formed
+in ascending order of the first factor's coefficients, so that results do not change by rounding.
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from ...models.types import Array
-from ..paths.profiles import RestToRest
-from .rotation import product, sine_cosine
-
-ORDERS = 3
-"""Coefficients of a pose: its value, velocity and half its acceleration."""
 
 
-def share(times: Array, duration: float, order: int, orders: int = ORDERS) -> Array:
-    """How far a rest-to-rest motion has come, from 0 to 1, (orders, N) (K 2.102)."""
-    derivatives = RestToRest(order).derivatives(times / duration, orders - 1)
-    scale = np.array([math.factorial(k) * duration**k for k in range(orders)])
-    return np.asarray(derivatives / scale[:, None])
+def factorials(orders: int) -> Array:
+    """0!, 1!, ...: derivatives are Taylor coefficients times these; shape (orders,)."""
+    return np.array([math.factorial(k) for k in range(orders)], dtype=float)
 
 
-def between(start: Array, goal: Array, part: Array) -> Array:
-    """Series (orders, N, size) from a start to a goal, both (size,), at shares (orders, N)."""
-    result = part[..., None] * (np.asarray(goal) - np.asarray(start))
-    result[0] += start
-    return result
+def product(a: Array, b: Array, times: Callable[[Array, Array], Array] = np.multiply) -> Array:
+    """Series of the product of two series (orders, ...), or of another bilinear operation."""
+    return np.array([sum(times(a[i], b[k - i]) for i in range(k + 1)) for k in range(len(a))])
 
 
-def derivative(series: Array) -> Array:
-    """Series of the rate, one coefficient shorter."""
-    factors = np.arange(1, len(series)).reshape(-1, *[1] * (series.ndim - 1))
-    return np.asarray(series[1:] * factors)
+def matmul(a: Array, b: Array) -> Array:
+    """Series of a matrix product of series of equal length."""
+    return product(a, b, np.matmul)
+
+
+def apply(matrix: Array, vector: Array) -> Array:
+    """Series of matrices (orders, N, 3, 3) times vectors (orders, N, 3)."""
+    return np.asarray(matmul(matrix, vector[..., None])[..., 0])
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Series of a x b, each (orders, N, 3)."""
+    return product(a, b, np.cross)
+
+
+def dot(a: Array, b: Array) -> Array:
+    """Series of the scalar product, each (orders, N, 3); shape (orders, N)."""
+    return np.asarray(product(a, b).sum(axis=-1))
 
 
 def quotient(a: Array, b: Array) -> Array:
@@ -44,96 +51,34 @@ def quotient(a: Array, b: Array) -> Array:
     return result
 
 
+def derivative(series: Array) -> Array:
+    """Series of the rate, one coefficient shorter."""
+    factors = np.arange(1, len(series)).reshape(-1, *[1] * (series.ndim - 1))
+    return np.asarray(series[1:] * factors)
+
+
 def compose(outer: Array, inner: Array) -> Array:
-    """Series of outer(inner(t)); `outer` (orders, N, ...) is taken about inner[0] (N,)."""
+    """Series of outer(inner(t)), by Horner's rule.
+
+    Parameters
+    ----------
+    outer
+        Coefficients (orders, N, ...) in powers of the distance from inner[0].
+    inner
+        Coefficients (orders, N) in powers of time.
+    """
     step = inner.copy()
     step[0] = 0.0
     step = step.reshape(*step.shape, *[1] * (outer.ndim - 2))
     result = np.zeros_like(outer)
     for coefficient in outer[::-1]:
-        result = product(result, np.broadcast_to(step, result.shape))
+        result = product(step, result)
         result[0] += coefficient
     return result
 
 
-def matmul(a: Array, b: Array) -> Array:
-    """Series of a matrix product of series of equal length."""
-    return np.array([sum(a[i] @ b[k - i] for i in range(k + 1)) for k in range(len(a))])
-
-
-def apply(matrix: Array, vector: Array) -> Array:
-    """Series of matrices (orders, N, 3, 3) times vectors (orders, N, 3)."""
-    return np.asarray(matmul(matrix, vector[..., None])[..., 0])
-
-
-def cross(a: Array, b: Array) -> Array:
-    """Series of a x b, each (orders, N, 3)."""
-    return np.array([sum(np.cross(a[i], b[k - i]) for i in range(k + 1)) for k in range(len(a))])
-
-
-def dot(a: Array, b: Array) -> Array:
-    """Series of the scalar product, each (orders, N, 3); shape (orders, N)."""
-    return np.asarray(product(a, b).sum(axis=-1))
-
-
-def rpy_matrix(angles: Array) -> Array:
-    """Rotations (orders, ..., 3, 3) of RPY angles (orders, ..., 3) (K 2.15)."""
-    (sf, cf), (st, ct), (sp, cp) = (sine_cosine(angles[..., i]) for i in range(3))
-    sf_st, cf_st = product(sf, st), product(cf, st)
-    rows = [
-        [
-            product(cf, ct),
-            product(cf_st, sp) - product(sf, cp),
-            product(cf_st, cp) + product(sf, sp),
-        ],
-        [
-            product(sf, ct),
-            product(sf_st, sp) + product(cf, cp),
-            product(sf_st, cp) - product(cf, sp),
-        ],
-        [-st, product(ct, sp), product(ct, cp)],
-    ]
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
-
-
-def rpy_angles(rotation: Array) -> Array:
-    """RPY angles (..., 3) of rotations (..., 3, 3); theta lies in [-pi/2, pi/2]."""
-    level = np.hypot(rotation[..., 0, 0], rotation[..., 1, 0])
-    return np.stack(
-        (
-            np.arctan2(rotation[..., 1, 0], rotation[..., 0, 0]),
-            np.arctan2(-rotation[..., 2, 0], level),
-            np.arctan2(rotation[..., 2, 1], rotation[..., 2, 2]),
-        ),
-        axis=-1,
-    )
-
-
-def rotation_of(angles: tuple[float, ...]) -> Array:
-    """One rotation (3, 3) of RPY angles, or of a planar hand's single angle from x to z."""
-    if len(angles) == 1:
-        angles = (0.0, -angles[0], 0.0)
-    return np.asarray(rpy_matrix(np.array([angles]))[0])
-
-
-def angular_velocity(rotation: Array) -> Array:
-    """Series (orders - 1, N, 3) from that of a rotation (orders, N, 3, 3) (K A.4)."""
-    turned = rotation.swapaxes(-1, -2)[:-1]
-    skew = matmul(derivative(rotation), turned)
-    parts = (
-        skew[..., 2, 1] - skew[..., 1, 2],
-        skew[..., 0, 2] - skew[..., 2, 0],
-        skew[..., 1, 0] - skew[..., 0, 1],
-    )
-    return np.stack(parts, axis=-1) / 2
-
-
-def about_axis(vector: Array, part: Array) -> Array:
-    """Rotations (orders, N, 3, 3) about a fixed axis times angle (3,), at shares (orders, N)."""
-    angle = float(np.linalg.norm(vector))
-    axis = np.cross(np.eye(3), vector / angle if angle else vector)
-    sine, cosine = sine_cosine(angle * part)
-    square = axis @ axis
-    result = sine[..., None, None] * axis - cosine[..., None, None] * square
-    result[0] += np.eye(3) + square
+def between(start: Array, goal: Array, part: Array) -> Array:
+    """Series (orders, N, size) from a start to a goal, both (size,), at shares (orders, N)."""
+    result = part[..., None] * (np.asarray(goal) - np.asarray(start))
+    result[0] += start
     return result

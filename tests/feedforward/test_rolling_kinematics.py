@@ -9,7 +9,7 @@ from flatrig import models
 from flatrig.feedforward.rolling import Rolling, classify, constraint_matrix, table
 from flatrig.feedforward.rolling.classification import random_state
 from flatrig.feedforward.rolling.kinematics import spin_direction
-from flatrig.feedforward.series.products import rotation_of
+from flatrig.feedforward.series.rotation import rotation_of
 from flatrig.models.types import Array
 
 R = 0.05

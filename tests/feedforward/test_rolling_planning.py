@@ -13,7 +13,7 @@ from flatrig.feedforward.rolling.orientation import ByAngles
 from flatrig.feedforward.rolling.quadrature import integrate
 from flatrig.feedforward.rolling.with_spin import WithSpin, with_spin
 from flatrig.feedforward.rolling.without_spin import TwoLegs, without_spin
-from flatrig.feedforward.series.products import angular_velocity, rotation_of, rpy_matrix
+from flatrig.feedforward.series.rotation import angular_velocity, rotation_of, rpy_matrix
 from flatrig.models import Hand, HandMove
 
 ENDS = HandMove(start=(pi / 3, pi / 4, 0), goal=(pi / 4, 0, pi / 3), duration=10)
