@@ -16,9 +16,11 @@ from .exact.problem import analyse, equations_of
 from .exact.structure import Analysis
 from .exact.verification import residuals
 from .paths.curves import Curve, CurvedPath, Polynomial, Waypoints, along, over
+from .paths.moves import from_move
 from .paths.profiles import Profile, RestToRest, ThreePhase
 from .paths.recordings import from_csv, sampled
-from .paths.reference import Reference, from_move, hold, rest_to_rest, three_phase
+from .paths.reference import Reference
+from .paths.straight import hold, rest_to_rest, three_phase
 from .planning.bisector import Beside, Bisected, beside, bisected, massless
 from .planning.feasibility import Feasibility, Sizing, check, driven_unit
 from .planning.obstacles import Box, Clearance, Sphere, clearance

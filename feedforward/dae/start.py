@@ -13,7 +13,8 @@ from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..exact.branch import branch_of
 from ..exact.problem import problem_of
-from ..paths.reference import Reference, hold
+from ..paths.reference import Reference
+from ..paths.straight import hold
 from ..series.rotation import bryant
 from .direct import Direct
 from .formulation import Formulation, prescribed

@@ -12,26 +12,20 @@ order.  Such a path is as smooth as the rougher of its two parts.
 Limits: between waypoints far apart a curve may swing out; `clearance` says what that means.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline, make_interp_spline
 
 from ...models.errors import PathError
 from ...models.types import Array
-from ..checks import (
-    check_derivative,
-    check_duration,
-    check_order,
-    check_point,
-    check_times,
-)
-from .profiles import ALWAYS_SMOOTH, Profile, RestToRest
+from ..checks import check_duration, check_order, check_point
+from ..series.products import compose, factorials
+from .profiles import ALWAYS_SMOOTH, Profile, RestToRest, progress
+from .reference import ReferencePath
 
 
 class Curve(Protocol):
@@ -141,7 +135,7 @@ class Waypoints:
 
 
 @dataclass(frozen=True)
-class CurvedPath:
+class CurvedPath(ReferencePath):
     """A `Reference` along a curve, from rest to rest as a profile says.
 
     Raises
@@ -168,52 +162,13 @@ class CurvedPath:
         """Number of columns."""
         return self.curve.size
 
-    @property
-    def start(self) -> Array:
-        """Shape (size,)."""
-        return np.array(self.curve.derivatives(np.zeros(1), 0)[0, 0])
-
-    @property
-    def goal(self) -> Array:
-        """Shape (size,)."""
-        return np.array(self.curve.derivatives(np.ones(1), 0)[0, 0])
-
-    def derivatives(self, times: ArrayLike, order: int) -> Array:
-        """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size)."""
-        order = check_derivative(order)
-        times = check_times(times)
-        with np.errstate(over="ignore"):  # of a time at the end of the world, which is outside
-            fractions = times / self.duration
-        parameter = self.profile.derivatives(fractions, order)
-        scale = np.array([math.factorial(k) for k in range(order + 1)], dtype=float)
-        parameter /= (scale * self.duration ** np.arange(order + 1.0))[:, None]
+    def _derivatives(self, times: Array, order: int) -> Array:
+        parameter = progress(self.profile, times, self.duration, order)
         parameter[0] = np.clip(parameter[0], 0.0, 1.0)
         parameter[0, times >= self.duration] = 1.0
-        curve = self.curve.derivatives(parameter[0], order) / scale[:, None, None]
-        return np.asarray(_inserted(curve, parameter) * scale[:, None, None])
-
-    def __call__(self, times: ArrayLike) -> Array:
-        """Values at `times` (N,), shape (N, size)."""
-        return np.asarray(self.derivatives(times, 0)[0])
-
-
-def _inserted(outer: Array, inner: Array) -> Array:
-    """Taylor coefficients of outer(inner(t)), by Horner's rule on power series.
-
-    Parameters
-    ----------
-    outer
-        Coefficients (K, N, size) in powers of the distance from inner[0].
-    inner
-        Coefficients (K, N) in powers of time.
-    """
-    result = np.zeros_like(outer)
-    for term in outer[::-1]:
-        for k in range(len(outer) - 1, -1, -1):
-            product = (inner[i, :, None] * result[k - i] for i in range(1, k + 1))
-            result[k] = sum(product, np.zeros_like(term))
-        result[0] += term
-    return result
+        scale = factorials(order + 1)[:, None, None]
+        curve = self.curve.derivatives(parameter[0], order) / scale
+        return np.asarray(compose(curve, parameter) * scale)
 
 
 def over(

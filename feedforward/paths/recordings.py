@@ -25,7 +25,6 @@ from os import PathLike, fspath
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline
 
 from ...models.errors import PathError
@@ -33,11 +32,11 @@ from ...models.types import Array
 from ..checks import (
     LARGEST,
     as_number,
-    check_derivative,
     check_duration,
     check_order,
     check_times,
 )
+from .reference import ReferencePath
 from .splines import fit
 
 HIGHEST_ORDER = 10
@@ -45,7 +44,7 @@ HIGHEST_ORDER = 10
 
 
 @dataclass(frozen=True)
-class SampledPath:
+class SampledPath(ReferencePath):
     """A smooth path from rest to rest along points, see the module's text.
 
     Raises
@@ -99,16 +98,6 @@ class SampledPath:
         return len(self.points[0])
 
     @property
-    def start(self) -> Array:
-        """The first point, shape (size,)."""
-        return np.array(self.points[0])
-
-    @property
-    def goal(self) -> Array:
-        """The last point, shape (size,)."""
-        return np.array(self.points[-1])
-
-    @property
     def knots(self) -> int:
         """Number of polynomial pieces the path consists of."""
         return int(len(self._spline.t) - 2 * self._spline.k - 1)
@@ -132,10 +121,7 @@ class SampledPath:
     def _spline_times(self, times: Array) -> Array:
         return times / self._scale
 
-    def derivatives(self, times: ArrayLike, order: int) -> Array:
-        """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size)."""
-        order = check_derivative(order)
-        times = check_times(times)
+    def _derivatives(self, times: Array, order: int) -> Array:
         result = np.zeros((order + 1, len(times), self.size))
         outside = (times < 0) | (times > self.duration)
         spline_times = self._spline_times(np.clip(times, 0.0, self.duration))
@@ -146,10 +132,6 @@ class SampledPath:
         result[0, times <= 0] = self.points[0]
         result[0, times >= self.duration] = self.points[-1]
         return result
-
-    def __call__(self, times: ArrayLike) -> Array:
-        """Values at `times` (N,), shape (N, size)."""
-        return np.asarray(self.derivatives(times, 0)[0])
 
 
 def sampled(

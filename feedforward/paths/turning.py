@@ -9,26 +9,26 @@ Angles and their derivatives come from the rotation matrix by Taylor arithmetic,
 where the platform's own axis x is vertical, beta = +-90 degrees.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from ...models.errors import PathError
 from ...models.types import Array
-from ..checks import check_times
-from ..series.rotation import bryant, sine_cosine
-from .reference import OfPath, StraightPath
+from ..series.products import factorials
+from ..series.rotation import about_axis, bryant
+from .profiles import progress
+from .reference import ReferencePath
+from .straight import StraightPath
 
 SMALLEST_COSINE = 1e-6
 """Of beta, below which a path is refused."""
 
 
 @dataclass(frozen=True)
-class FixedAxis(OfPath):
+class FixedAxis(ReferencePath):
     """A straight path three of whose columns are the Bryant angles of a turn about one axis.
 
     Raises
@@ -60,9 +60,14 @@ class FixedAxis(OfPath):
         return self.path.duration
 
     @property
-    def goal(self) -> Array:
-        """Shape (size,); alpha and gamma within half a turn of zero."""
-        return np.asarray(self(np.array([self.duration]))[0])
+    def size(self) -> int:
+        """Number of columns."""
+        return self.path.size
+
+    @property
+    def start(self) -> Array:
+        """Where the path rests for t <= 0.  Shape (size,)."""
+        return self.path.start
 
     @property
     def axis(self) -> Array:
@@ -73,36 +78,19 @@ class FixedAxis(OfPath):
     def _rotation(self, end: tuple[float, ...]) -> Rotation:
         return Rotation.from_euler("XYZ", [end[column] for column in self.columns])
 
-    def derivatives(self, times: ArrayLike, order: int) -> Array:
-        """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size).
-
-        Raises
-        ------
-        PathError
-            Also where beta comes to +-90 degrees.
-        """
-        times = check_times(times)
+    def _derivatives(self, times: Array, order: int) -> Array:
         result = self.path.derivatives(times, order)
-        shares = self.path.profile.derivatives(times / self.duration, order)[..., None, None]
-        factorials = np.array([math.factorial(k) for k in range(order + 1)], dtype=float)
-        spans = self.duration ** np.arange(order + 1)
-        share = shares / (factorials * spans)[:, None, None, None]
-        angle = float(np.linalg.norm(self.axis))
-        if angle == 0.0:
+        if not self.axis.any():
             return result
-        # Rodrigues: R = R0 (1 + sin(s) K + (1 - cos(s)) K K) with the axis' cross product K.
-        cross = np.cross(np.eye(3), self.axis / angle)
-        sin, cos = sine_cosine(angle * share)
-        turn = sin * cross - cos * (cross @ cross)
-        turn[0] += np.eye(3) + cross @ cross
-        rotation = self._rotation(self.path.begin).as_matrix() @ turn
+        share = progress(self.path.profile, times, self.duration, order)
+        rotation = self._rotation(self.path.begin).as_matrix() @ about_axis(self.axis, share)
         flat = np.hypot(rotation[0, ..., 0, 0], rotation[0, ..., 0, 1]) < SMALLEST_COSINE
         if flat.any():
             raise PathError(
                 f"at t = {times[flat.argmax()]:.4g} s the platform's x axis is vertical, where its "
                 "Bryant angles are singular; choose another orientation"
             )
-        angles = bryant(rotation) * factorials[:, None, None]
+        angles = bryant(rotation) * factorials(order + 1)[:, None, None]
         result[..., list(self.columns)] = angles
         return result
 

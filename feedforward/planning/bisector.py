@@ -19,21 +19,20 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ...models.errors import PathError, RigError, did_you_mean
 from ...models.rig.rig import Load, Rig
 from ...models.types import Array
-from ..checks import check_derivative, check_times
 from ..exact.branch import branch_of
 from ..exact.problem import Problem, problem_of
 from ..exact.refusal import failure
 from ..exact.taylor import expand
-from ..paths.reference import Reference, taylor_of
+from ..paths.reference import Reference, ReferencePath, taylor_of
+from ..series.products import factorials
 
 
 @dataclass(frozen=True)
-class Beside:
+class Beside(ReferencePath):
     """Paths side by side: the columns of each, one after the other, in one `Reference`.
 
     Each starts at t = 0 and rests at its goal when it has arrived.
@@ -56,23 +55,8 @@ class Beside:
         """Number of columns of all."""
         return sum(part.size for part in self.parts)
 
-    @property
-    def start(self) -> Array:
-        """Shape (size,)."""
-        return np.concatenate([part.start for part in self.parts])
-
-    @property
-    def goal(self) -> Array:
-        """Shape (size,)."""
-        return np.concatenate([part.goal for part in self.parts])
-
-    def derivatives(self, times: ArrayLike, order: int) -> Array:
-        """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size)."""
+    def _derivatives(self, times: Array, order: int) -> Array:
         return np.concatenate([part.derivatives(times, order) for part in self.parts], axis=2)
-
-    def __call__(self, times: ArrayLike) -> Array:
-        """Values at `times` (N,), shape (N, size)."""
-        return np.asarray(self.derivatives(times, 0)[0])
 
 
 def beside(*parts: Reference) -> Beside:
@@ -89,7 +73,7 @@ def beside(*parts: Reference) -> Beside:
 
 
 @dataclass(frozen=True)
-class Bisected:
+class Bisected(ReferencePath):
     """A `Reference` of a heavy pulley's crane: the load's path, and the height that follows."""
 
     rig: Rig
@@ -133,26 +117,7 @@ class Bisected:
         """Number of columns."""
         return len(self.rig.outputs)
 
-    @property
-    def start(self) -> Array:
-        """Shape (size,)."""
-        return np.array(self([0.0])[0])
-
-    @property
-    def goal(self) -> Array:
-        """Shape (size,)."""
-        return np.array(self([self.duration])[0])
-
-    def derivatives(self, times: ArrayLike, order: int) -> Array:
-        """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size).
-
-        Raises
-        ------
-        PathError
-            The crane without the pulley's mass cannot follow the load's path.
-        """
-        order = check_derivative(order)
-        times = check_times(times)
+    def _derivatives(self, times: Array, order: int) -> Array:
         inside = np.clip(times, 0.0, self.duration)
         heights = self._heights(inside, order)
         heights[1:, inside != times] = 0.0
@@ -161,12 +126,14 @@ class Bisected:
         result[..., self.rig.outputs.index(self.height)] = heights
         return result
 
-    def __call__(self, times: ArrayLike) -> Array:
-        """Values at `times` (N,), shape (N, size)."""
-        return np.asarray(self.derivatives(times, 0)[0])
-
     def _heights(self, times: Array, order: int) -> Array:
-        """Derivatives of the height, shape (order+1, N)."""
+        """Derivatives of the height, shape (order+1, N).
+
+        Raises
+        ------
+        PathError
+            The crane without the pulley's mass cannot follow the load's path.
+        """
         problem = self._problem
         branch = branch_of(problem, self.load)
         j = problem.analysis.unknowns.index(self.height)
@@ -176,8 +143,8 @@ class Bisected:
         error = failure(problem, solution, branch.signs, times, taylor[0])
         if error is not None:
             raise error
-        factorials = np.cumprod([1.0, *range(1, order + 1)])
-        return np.asarray(factorials[:, None] * np.array(solution.series[j][: order + 1]))
+        height = np.array(solution.series[j][: order + 1])
+        return np.asarray(factorials(order + 1)[:, None] * height)
 
 
 @lru_cache(maxsize=64)

@@ -26,7 +26,7 @@ from ..exact.inverse import solve
 from ..exact.motion import Motion, Slack
 from ..exact.problem import problem_of
 from ..exact.refusal import RAIL_TOLERANCE, accept_columns
-from ..paths.reference import OfPath, Reference
+from ..paths.reference import Reference, ReferencePath
 
 LEAST_SAMPLES, MOST_SAMPLES = 101, 1_000_000
 """Of a move however short; more than the second is taken for a slip of the finger."""
@@ -103,7 +103,7 @@ class Feasibility:
 
 
 @dataclass(frozen=True)
-class AsSmooth(OfPath):
+class AsSmooth(ReferencePath):
     """A path that is taken to have as many continuous derivatives as `order` says.
 
     Those it has not are one-sided.
@@ -116,6 +116,14 @@ class AsSmooth(OfPath):
     def duration(self) -> float:
         """As of the path [s]."""
         return self.path.duration
+
+    @property
+    def size(self) -> int:
+        """Number of columns."""
+        return self.path.size
+
+    def _derivatives(self, times: Array, order: int) -> Array:
+        return self.path.derivatives(times, order)
 
 
 def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:

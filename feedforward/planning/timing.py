@@ -22,14 +22,13 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple, cast
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ...models.errors import OptionError, PathError, SmoothnessError
 from ...models.rig.rig import Rig
 from ...models.types import Array
-from ..checks import as_number, check_derivative, check_duration, check_times
+from ..checks import as_number, check_duration
 from ..exact.inverse import solve
-from ..paths.reference import OfPath, Reference
+from ..paths.reference import Reference, ReferencePath
 from .feasibility import TAUT, driven_unit
 
 SAMPLES, FINE = 501, 5001
@@ -43,7 +42,7 @@ PRECISION = 1e-4
 
 
 @dataclass(frozen=True)
-class Scaled(OfPath):
+class Scaled(ReferencePath):
     """A path that another one takes, in another time.
 
     Raises
@@ -64,11 +63,13 @@ class Scaled(OfPath):
         """Number of continuous derivatives."""
         return self.path.order
 
-    def derivatives(self, times: ArrayLike, order: int) -> Array:
-        """Values and derivatives up to `order`, see `Reference`.  Shape (order+1, N, size)."""
-        order = check_derivative(order)
+    @property
+    def size(self) -> int:
+        """Number of columns."""
+        return self.path.size
+
+    def _derivatives(self, times: Array, order: int) -> Array:
         pace = self.path.duration / self.duration
-        times = check_times(times)
         # The end exactly, whatever the product rounds to.
         before = np.where(times == self.duration, self.path.duration, times * pace)
         result = self.path.derivatives(before, order)

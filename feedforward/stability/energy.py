@@ -35,7 +35,7 @@ from ..exact.equations import Equations, redundant
 from ..exact.inverse import solve
 from ..exact.motion import Motion
 from ..exact.problem import equations_of
-from ..paths.reference import hold
+from ..paths.straight import hold
 
 Columns = Mapping[str, Array]
 

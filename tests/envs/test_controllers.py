@@ -8,7 +8,7 @@ import flatrig.envs as envs
 from flatrig import feedforward, models
 from flatrig.envs.controllers import task_of
 from flatrig.envs.crane.tuning import gains_of, inertias
-from flatrig.feedforward.paths.reference import hold
+from flatrig.feedforward import hold
 from flatrig.models.friction import Friction
 
 NAMES = list(envs.ENVIRONMENTS)

@@ -8,9 +8,15 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from flatrig.feedforward.paths.profiles import RestToRest, ThreePhase
-from flatrig.feedforward.paths.recordings import sampled
-from flatrig.feedforward.paths.reference import from_move, hold, rest_to_rest, three_phase
+from flatrig.feedforward import (
+    RestToRest,
+    ThreePhase,
+    from_move,
+    hold,
+    rest_to_rest,
+    sampled,
+    three_phase,
+)
 from flatrig.models.errors import PathError
 from flatrig.models.rig.move import Move
 

@@ -5,8 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from flatrig.feedforward.paths.recordings import SampledPath, from_csv, sampled
-from flatrig.feedforward.paths.reference import from_move, rest_to_rest
+from flatrig.feedforward import from_csv, from_move, rest_to_rest, sampled
+from flatrig.feedforward.paths.recordings import SampledPath
 from flatrig.models.errors import PathError
 from flatrig.models.rig.move import Move
 

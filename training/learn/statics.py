@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from ...feedforward import Reference, solve
-from ...feedforward.paths.reference import hold
+from ...feedforward import Reference, hold, solve
 from ...models import Rig
 from ...models.types import Array
 

@@ -1,0 +1,29 @@
+"""From a move's description to its reference path."""
+
+from ...models.rig.move import Move
+from .recordings import from_csv
+from .reference import Reference
+from .straight import rest_to_rest, three_phase
+from .turning import fixed_axis
+
+
+def from_move(move: Move) -> Reference:
+    """The path that a move describes.
+
+    A sampled move follows its CSV: start, goal and duration are the file's, and if the move has a
+    start of its own, the file needs as many outputs.
+
+    Raises
+    ------
+    PathError
+        The move's numbers make no path, or its file cannot be used.
+    """
+    if move.profile == "sampled":
+        return from_csv(move.samples, move.order, size=len(move.start) or None)
+    if move.profile == "three_phase":
+        path = three_phase(move.start, move.goal, move.duration, move.blend, move.order)
+    else:
+        path = rest_to_rest(move.start, move.goal, move.duration, move.order)
+    if move.turning:
+        return fixed_axis(path, move.turning)
+    return path
