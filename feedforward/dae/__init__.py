@@ -57,12 +57,15 @@ minimal coordinates cannot start with a massless pulley straight below its winch
 away from there, and near it the pulley's place is as uncertain as the equations.
 """
 
+from importlib import import_module
+from pkgutil import iter_modules
+
 from .formulation import Formulation
 from .integrate import integrate
-from .methods import FORMULATIONS, SCHEMES, formulation, scheme, why_not
+from .methods import FORMULATIONS, formulation, why_not
 from .newton import Counters
 from .result import Failure, Integration
-from .schemes import Orders, Scheme, orders
+from .schemes import SCHEMES, Orders, Scheme, add_scheme, orders, scheme
 
 __all__ = [
     "FORMULATIONS",
@@ -73,9 +76,14 @@ __all__ = [
     "Integration",
     "Orders",
     "Scheme",
+    "add_scheme",
     "formulation",
     "integrate",
     "orders",
     "scheme",
     "why_not",
 ]
+
+# Importing every file here is what makes the schemes and formulations in it known.
+for _module in iter_modules(__path__):
+    import_module(f"{__name__}.{_module.name}")

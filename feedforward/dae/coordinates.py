@@ -25,7 +25,7 @@ from ...models.errors import RigError
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..exact.equations import Equations
-from ..exact.problem import Problem, problem_of
+from ..exact.problem import Problem
 
 Kind = Literal["redundant", "dependent", "minimal"]
 
@@ -34,24 +34,27 @@ class Place(NamedTuple):
     """A configuration and the derivatives of the coordinate map there."""
 
     q: Array
-    """Shape (n,)."""
+    """Polynomial coordinates, shape (n,)."""
     slope: Array
-    """P = d phi, shape (n, k)."""
+    """First derivatives P = d phi, shape (n, k)."""
     bend: Array | None
-    """d2 phi, shape (n, k, k); None if it vanishes."""
+    """Second derivatives d2 phi, shape (n, k, k); None if they vanish."""
 
 
 @dataclass(frozen=True, eq=False)
 class Coordinates:
     """k coordinates of a rig, with b inputs and the constraints that they leave."""
 
-    equations: Equations
+    problem: Problem
+    """Inverse dynamics of the rig."""
     kind: Kind
+    """Which of the three sets."""
     names: tuple[str, ...]
-    """Of the k coordinates."""
+    """Names of the k coordinates."""
     eliminated: tuple[int, ...]
     """Constraints that determine the `implicit` coordinates."""
     implicit: tuple[int, ...]
+    """Coordinates of the equations that are functions of the k, one for each of `eliminated`."""
     multipliers: tuple[int, ...]
     """Constraints whose multipliers are unknowns."""
     constraints: tuple[int, ...]
@@ -60,9 +63,9 @@ class Coordinates:
     """C of the servo constraints C x = prescribed, shape (a, k)."""
 
     @property
-    def rig(self) -> Rig:
-        """Whose coordinates these are."""
-        return self.equations.rig
+    def equations(self) -> Equations:
+        """Equations of motion in the polynomial coordinates q, n of them."""
+        return self.problem.equations
 
     def place(self, x: Array) -> Place:
         """The configuration at coordinates x (k,)."""
@@ -185,16 +188,15 @@ def _turn(axis: int, angle: float, times: int) -> Array:
 
 
 @lru_cache(maxsize=256)
-def coordinates_of(rig: Rig, kind: Kind) -> Coordinates:
-    """One of the three sets of coordinates.
+def coordinates_of(problem: Problem, kind: Kind) -> Coordinates:
+    """One of the three sets of coordinates of a rig.
 
     Raises
     ------
     RigError
         The rig has no such coordinates, and why.
     """
-    problem = problem_of(rig)
-    e = problem.equations
+    e, rig = problem.equations, problem.rig
     every = tuple(range(len(e.constraint_names)))
     if kind == "redundant":
         servo = problem.servo
@@ -203,7 +205,7 @@ def coordinates_of(rig: Rig, kind: Kind) -> Coordinates:
         for i, terms in enumerate(servo.rows):
             for factor, j in terms:
                 matrix[i, j] = factor
-        return Coordinates(e, kind, e.names, (), (), every, kept, matrix)
+        return Coordinates(problem, kind, e.names, (), (), every, kept, matrix)
     by_angles = {e.constraint_names.index(f"{name[:-6]}.unit") for name, *_ in e.turning}
     by_angles |= {k for orientation in e.orientations for k in orientation.constraints}
     kept = () if kind == "minimal" else _with_outputs(problem, by_angles)
@@ -219,7 +221,7 @@ def coordinates_of(rig: Rig, kind: Kind) -> Coordinates:
             f"rig {rig.name} has no dependent coordinates: {len(kept)} constraints contain its "
             f"{len(matrix)} outputs, there may be no more than outputs (Y assumption 1)"
         )
-    return Coordinates(e, kind, names, eliminated, implicit, kept, kept, matrix)
+    return Coordinates(problem, kind, names, eliminated, implicit, kept, kept, matrix)
 
 
 def _with_outputs(problem: Problem, implied: set[int]) -> tuple[int, ...]:

@@ -7,11 +7,13 @@ differentiation: Radau IIA with three stages has none left for the inputs (Y 4.2
 """
 
 from dataclasses import dataclass
+from typing import ClassVar, Self
 
 import numpy as np
 
 from ...models.types import Array
-from ..exact.problem import analyse
+from ..exact.problem import Problem
+from .coordinates import Kind, coordinates_of
 from .formulation import Evaluated, unknown_names
 from .mechanics import Forces, Mechanics
 
@@ -21,20 +23,32 @@ class Direct:
     """Equations of motion, constraints and servo constraints, none of them differentiated."""
 
     mechanics: Mechanics
-    derivatives: int = 0
+    """Equations of motion in some coordinates."""
+    derivatives: ClassVar[int] = 0
+
+    @classmethod
+    def of(cls, problem: Problem, kind: Kind) -> Self:
+        """The formulation of a rig's inverse dynamics in one of its sets of coordinates.
+
+        Raises
+        ------
+        RigError
+            It does not apply to the rig, and why.
+        """
+        return cls(Mechanics(coordinates_of(problem, kind)))
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of coordinates, multipliers and inputs."""
+        """Names of coordinates, multipliers and inputs."""
         return unknown_names(self.mechanics)
 
     @property
     def index(self) -> int:
-        """That of the problem."""
-        return analyse(self.mechanics.coordinates.rig).index
+        """Index of the problem."""
+        return self.mechanics.coordinates.problem.analysis.index
 
     def evaluate(self, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool) -> Evaluated:
-        """Motion, constraints, servo constraints."""
+        """Equations of motion, constraints, servo constraints."""
         k, *_ = self.mechanics.sizes
         forces = self.mechanics.forces(z, zd[:k], zdd[:k])
         return self.assemble(forces, given, z, zd, zdd, slopes)
@@ -42,7 +56,7 @@ class Direct:
     def assemble(
         self, forces: Forces, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool
     ) -> Evaluated:
-        """The same from known forces."""
+        """The same equations from known forces."""
         mechanics, servo = self.mechanics, self.mechanics.coordinates.servo
         k, m, _ = mechanics.sizes
         residual = np.concatenate(

@@ -15,6 +15,7 @@ rounding alone, and only velocities and inputs know of the scheme.
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from scipy.linalg import qr
@@ -22,20 +23,13 @@ from scipy.linalg import qr
 from ...models.types import Array
 from .direct import Direct
 from .formulation import Evaluated
-from .mechanics import Mechanics
 
 
 @dataclass(frozen=True, eq=False)
-class Extension:
-    """The minimally extended equations, in whatever coordinates."""
+class Extension(Direct):
+    """The direct equations, minimally extended, in whatever coordinates."""
 
-    mechanics: Mechanics
-    derivatives: int = 2
-
-    @cached_property
-    def direct(self) -> Direct:
-        """The equations that are extended."""
-        return Direct(self.mechanics)
+    derivatives: ClassVar[int] = 2
 
     @cached_property
     def replaced(self) -> list[int]:
@@ -44,12 +38,12 @@ class Extension:
         *_, order = qr(servo, pivoting=True, mode="economic")
         return sorted(int(j) for j in order[: len(servo)])
 
-    @cached_property
+    @property
     def names(self) -> tuple[str, ...]:
-        """Those of the direct formulation, then the dummies."""
+        """Names of the direct formulation's unknowns, then of the dummies."""
         dummies = [self.mechanics.coordinates.names[j] for j in self.replaced]
         hats = (f"{name} {mark}" for mark in ("hat", "tilde") for name in dummies)
-        return (*self.direct.names, *hats)
+        return (*super().names, *hats)
 
     @property
     def index(self) -> int:
@@ -57,14 +51,14 @@ class Extension:
         are.
         """
         least = 3 if self.mechanics.coordinates.constraints else 1
-        return max(self.direct.index - 2, least)
+        return max(super().index - 2, least)
 
     def evaluate(self, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool) -> Evaluated:
         """The direct equations with dummies, then the derivatives of the servo constraints."""
         servo, (k, *_) = self.mechanics.coordinates.servo, self.mechanics.sizes
         a, core = len(servo), len(z) - 2 * len(servo)
         rate, acceleration = self.rates(z, zd, zdd)
-        inner = self.direct.evaluate(given, z[:core], rate, acceleration, slopes)
+        inner = super().evaluate(given, z[:core], rate, acceleration, slopes)
         residual = np.concatenate(
             (inner.residual, servo @ rate - given[1], servo @ acceleration - given[2])
         )

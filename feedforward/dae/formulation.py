@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...models.types import Array
-from ..exact.problem import problem_of
 from ..paths.reference import Reference, taylor_of
 from .coordinates import Coordinates
 from .mechanics import Mechanics
@@ -22,9 +21,9 @@ class Evaluated(NamedTuple):
     """The equations at one instant."""
 
     residual: Array
-    """F, shape (N,)."""
+    """Values of F, shape (N,)."""
     jacobian: Array | None
-    """dF/dz, dF/dz', dF/dz'', shape (3, N, N), if wanted."""
+    """Derivatives dF/dz, dF/dz', dF/dz'', shape (3, N, N), if asked for."""
 
 
 class Formulation(Protocol):
@@ -36,7 +35,7 @@ class Formulation(Protocol):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the N unknowns."""
+        """Names of the N unknowns."""
 
     @property
     def derivatives(self) -> int:
@@ -56,18 +55,21 @@ class Formulation(Protocol):
 def prescribed(
     coordinates: Coordinates, reference: Reference, times: ArrayLike, order: int
 ) -> Array:
-    """What the servo constraints prescribe, with derivatives, shape (order + 1, N, a)."""
+    """Values that the servo constraints prescribe, with derivatives, shape (order + 1, N, a)."""
     instants = np.asarray(times, dtype=float)
     if coordinates.kind != "redundant":
         return np.asarray(reference.derivatives(instants, order))
-    servo = problem_of(coordinates.rig).servo
-    taylor = servo.prescribe(taylor_of(reference, instants, order))
+    taylor = coordinates.problem.servo.prescribe(taylor_of(reference, instants, order))
     factorials = [math.factorial(i) for i in range(order + 1)]
     return np.asarray(taylor * np.array(factorials, dtype=float)[:, None, None])
 
 
 def unknown_names(mechanics: Mechanics) -> tuple[str, ...]:
-    """Of coordinates, multipliers and inputs."""
+    """Names of coordinates, multipliers and inputs."""
     c = mechanics.coordinates
-    held = (c.equations.constraint_names[k] for k in c.multipliers)
-    return (*c.names, *(f"multiplier of {name}" for name in held), *c.rig.input_names)
+    constraints = (c.equations.constraint_names[k] for k in c.multipliers)
+    return (
+        *c.names,
+        *(f"multiplier of {name}" for name in constraints),
+        *c.problem.rig.input_names,
+    )

@@ -10,13 +10,12 @@ from ..checks import as_number
 from ..exact.refusal import accept_columns, off_rails, reversal
 from ..paths.reference import Reference
 from .formulation import Formulation, prescribed
-from .methods import SCHEMES
 from .methods import formulation as formulation_of
-from .methods import scheme as scheme_of
 from .newton import NO_NUMBER, Newton
 from .result import Failure, Integration, motion_of
-from .schemes import Scheme, State, Stepped
-from .start import at_rest, start_angles
+from .schemes import SCHEMES, Scheme, State, Stepped
+from .schemes import scheme as scheme_of
+from .start import at_rest
 
 MOST_STEPS = 1_000_000
 """Of one integration."""
@@ -92,7 +91,7 @@ def integrate(
         failure = Failure(times[first - 1], times[first] - times[first - 1], reason)
         times, states = times[:first], states[:first]
     newton.counters.steps = len(states) - 1
-    motion = motion_of(equations, np.array(times), states, start_angles(rig, reference))
+    motion = motion_of(equations, np.array(times), states, reference)
     return Integration(motion, formulation, scheme, newton.counters, failure)
 
 

@@ -1,4 +1,4 @@
-"""Schemes that express z' and z'' by differences of z: implicit Euler, BDF, trapezoidal rule.
+"""Schemes that express z' and z'' by differences of z at the steps: implicit Euler, BDF 2 to 5.
 
 Twice the same formula, z' = s z + p and z'' = s z' + p', with a slope s ~ 1/h and sums p, p' over
 the past: the equations of one instant are solved for z alone, J = F_z + s F_z' + s^2 F_z''.
@@ -8,23 +8,19 @@ Hessenberg form, and with constant steps for any index (Brenan, Campbell, Petzol
 the steps in which the past before the start still counts.  Here that past is known exactly: a path
 starts from rest.  A reference with q continuous derivatives has inputs with q - 4 on a crane of
 index 5, so near its joins the order is at most q - 3.
-
-The trapezoidal rule is exact to second order and no use here.  Where constraints fix z, it gives
-z'_(n+1) = 2 (z_(n+1) - z_n) / h - z'_n: an error in z' changes its sign with every step and never
-decays, and in z'', its difference, the same root -1 appears twice, so that the error grows with the
-number of steps.  That is the oscillation that Y 7 reports of midpoint-type rules.
 """
 
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
 from ...models.types import Array
 from .formulation import Formulation
 from .newton import Newton
-from .schemes import State, Stepped
+from .schemes import State, Stepped, add_scheme
 
 
 def advance(
@@ -35,7 +31,10 @@ def advance(
     slope: float,
     sums: tuple[Array, Array],
 ) -> Stepped | None:
-    """Solve the equations of one instant for z with z' = slope z + sums[0] and so on."""
+    """Solve the equations of one instant with z' = slope z + sums[0], z'' = slope z' + sums[1].
+
+    `given` holds the prescribed values and their derivatives, shape (derivatives + 1, a).
+    """
     counters = newton.counters
 
     def function(z: Array, slopes: bool) -> tuple[Array, Array | None]:
@@ -61,34 +60,27 @@ class Backward:
     """Backward differentiation formula of order 1 (implicit Euler, Y 4.52, 5.38) to 5."""
 
     order: int
+    """Order of convergence, from 1 to 5."""
+    nodes: ClassVar[tuple[float, ...]] = (1.0,)
+    estimates: ClassVar[bool] = False
 
     @property
     def name(self) -> str:
-        """Implicit Euler or BDF k."""
+        """Name of the scheme, "implicit Euler" or "BDF k"."""
         return "implicit Euler" if self.order == 1 else f"BDF {self.order}"
 
     def after(self, differentiations: int) -> float:
-        """The same for all."""
+        """Order of the values after so many differentiations, the same for any number of them."""
         return self.order if differentiations else math.inf
 
     @property
     def memory(self) -> int:
-        """Enough for the formula and a first guess by a polynomial of degree 3 at least."""
+        """States that the formula needs, and a first guess by a polynomial of degree 3 at least."""
         return max(self.order + 1, 4)
-
-    @property
-    def nodes(self) -> tuple[float, ...]:
-        """The end of the step."""
-        return (1.0,)
-
-    @property
-    def estimates(self) -> bool:
-        """With constant steps only."""
-        return False
 
     @cached_property
     def factors(self) -> Array:
-        """Of z_(n+1), z_n, ...: h z' = sum over j <= k of 1/j times the j-th difference."""
+        """Factors of z_(n+1), z_n, ... in h z', which is the sum of j-th differences over j."""
         factors = np.zeros(self.order + 1)
         for j in range(1, self.order + 1):
             for i in range(j + 1):
@@ -97,7 +89,7 @@ class Backward:
 
     @cached_property
     def forward(self) -> Array:
-        """Extrapolation to z_(n+1) from z_n, z_(n-1), ..."""
+        """Factors of z_n, z_(n-1), ... in the extrapolation to z_(n+1)."""
         k = self.memory
         return np.array([-((-1.0) ** i) * math.comb(k, i) for i in range(1, k + 1)])
 
@@ -107,34 +99,14 @@ class Backward:
         """The next state."""
         latest = past[: -self.memory - 1 : -1]
         weights = self.factors[1:] / h
-        sums = tuple(
-            sum(w * state[part] for w, state in zip(weights, latest, strict=False))
+        z, zd = (
+            np.asarray(sum(w * state[part] for w, state in zip(weights, latest, strict=False)))
             for part in (0, 1)
         )
         guess = np.asarray(sum(w * state.z for w, state in zip(self.forward, latest, strict=True)))
         slope = float(self.factors[0] / h)
-        pair = (np.asarray(sums[0]), np.asarray(sums[1]))
-        return advance(equations, newton, guess, given[:, 0], slope, pair)
+        return advance(equations, newton, guess, given[:, 0], slope, (z, zd))
 
 
-@dataclass(frozen=True)
-class Trapezoidal:
-    """The trapezoidal rule, which oscillates."""
-
-    name: str = "trapezoidal rule"
-    order: int = 2
-    memory: int = 2
-    nodes: tuple[float, ...] = (1.0,)
-    estimates: bool = False
-
-    def after(self, differentiations: int) -> float:
-        """The same for all, as long as nothing makes it oscillate."""
-        return self.order if differentiations else math.inf
-
-    def step(
-        self, equations: Formulation, newton: Newton, past: list[State], given: Array, h: float
-    ) -> Stepped | None:
-        """The next state."""
-        (before, now), slope = past[-2:], 2.0 / h
-        sums = (-slope * now.z - now.zd, -slope * now.zd - now.zdd)
-        return advance(equations, newton, 2.0 * now.z - before.z, given[:, 0], slope, sums)
+for _order in range(1, 6):
+    add_scheme(Backward(_order))

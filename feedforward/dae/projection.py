@@ -14,14 +14,17 @@ angles for coordinates and needs D(x).
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 from scipy.linalg import null_space
 
+from ...models.errors import RigError
 from ...models.types import Array
+from ..exact.problem import Problem
+from .coordinates import Kind
 from .direct import Direct
-from .formulation import Evaluated, unknown_names
+from .formulation import Evaluated
 from .mechanics import Forces, Mechanics
 
 RANK = 1e-9
@@ -32,9 +35,9 @@ class Free(NamedTuple):
     """The acceleration that the forces cause."""
 
     forces: Forces
-    """With that acceleration."""
+    """Forces with that acceleration."""
     acceleration: Array
-    """Shape (k,)."""
+    """The acceleration, shape (k,)."""
     jacobian: Array | None
     """Its derivatives by z and z', shape (2, k, N), if wanted."""
 
@@ -64,21 +67,43 @@ def free(
 
 
 @dataclass(frozen=True, eq=False)
-class Projection:
+class Projection(Direct):
     """The projected equations, GEN in minimal and RED in redundant coordinates."""
 
-    mechanics: Mechanics
-    derivatives: int = 2
+    derivatives: ClassVar[int] = 2
+
+    @classmethod
+    def of(cls, problem: Problem, kind: Kind) -> Self:
+        """The projection in one of a rig's sets of coordinates.
+
+        The forces must determine what it asks for: in redundant coordinates the acceleration of the
+        outputs, in others that of everything.
+
+        Raises
+        ------
+        RigError
+            The mass matrix is singular there.
+        """
+        equations = super().of(problem, kind)
+        coordinates = equations.mechanics.coordinates
+        # The rank is that of almost every place; this one has angles and lengths of no meaning.
+        place = coordinates.place(1.0 + 0.37 * np.arange(float(len(coordinates.names))))
+        mass = place.slope.T @ coordinates.equations.mass @ place.slope
+        massless = null_space(mass, RANK)
+        if kind == "redundant":
+            massless = massless[:, np.abs(coordinates.servo @ massless).max(axis=0) > RANK]
+        if massless.shape[1]:
+            raise RigError(
+                f"rig {problem.rig.name}: no projection in {kind} coordinates, the mass matrix is "
+                f"singular (no inertia along "
+                f"{coordinates.names[int(np.abs(massless[:, 0]).argmax())]})"
+            )
+        return equations
 
     @cached_property
     def tangent(self) -> Array:
-        """D, shape (k, k - a)."""
+        """D, a basis of the null space of C, shape (k, k - a)."""
         return np.asarray(null_space(self.mechanics.coordinates.servo))
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of coordinates, multipliers and inputs."""
-        return unknown_names(self.mechanics)
 
     @property
     def index(self) -> int:
@@ -86,14 +111,14 @@ class Projection:
         are, and 2 elsewhere: the inputs need the rates.
         """
         least = 3 if self.mechanics.coordinates.constraints else 2
-        return max(Direct(self.mechanics).index - 2, least)
+        return max(super().index - 2, least)
 
     def evaluate(self, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool) -> Evaluated:
         """Tangential and orthogonal projection, constraints, servo constraints."""
         mechanics, servo = self.mechanics, self.mechanics.coordinates.servo
         k, *_ = mechanics.sizes
         forces = mechanics.forces(z, zd[:k], zdd[:k])
-        inner = Direct(mechanics).assemble(forces, given, z, zd, zdd, slopes)
+        inner = self.assemble(forces, given, z, zd, zdd, slopes)
         caused = free(mechanics, forces, z, zd[:k], zdd[:k], slopes)
         residual = np.concatenate(
             (

@@ -11,48 +11,60 @@ D depends on the coordinates: D = N K with the constant null space N of C and G 
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
-from scipy.linalg import null_space, qr
+from scipy.linalg import qr
 
+from ...models.errors import RigError
 from ...models.types import Array
-from .direct import Direct
-from .formulation import Evaluated, unknown_names
-from .mechanics import Forces, Mechanics
-from .projection import Free, free
+from ..exact.problem import Problem
+from .coordinates import Kind
+from .formulation import Evaluated
+from .mechanics import Forces
+from .projection import Free, Projection, free
 
 
 @dataclass(frozen=True, eq=False)
-class DependentProjection:
-    """The equations projected into three subspaces."""
+class DependentProjection(Projection):
+    """The equations projected into three subspaces; N is `tangent`."""
 
-    mechanics: Mechanics
-    derivatives: int = 2
+    @classmethod
+    def of(cls, problem: Problem, kind: Kind) -> Self:
+        """The projection in a rig's dependent coordinates.
+
+        Raises
+        ------
+        RigError
+            The mass matrix is singular, or as many constraints as outputs leave no direction.
+        """
+        equations = super().of(problem, kind)
+        coordinates = equations.mechanics.coordinates
+        constraints, outputs = len(coordinates.constraints), len(coordinates.servo)
+        if not constraints < outputs:
+            raise RigError(
+                f"rig {problem.rig.name}: no projection in {kind} coordinates, {constraints} "
+                f"constraints are not fewer than {outputs} outputs (Y 4.51)"
+            )
+        return equations
 
     @cached_property
-    def spaces(self) -> tuple[Array, Array]:
-        """N, the null space of C (k, k - a), and the inverse of C (k, a)."""
-        servo = self.mechanics.coordinates.servo
-        return np.asarray(null_space(servo)), np.asarray(np.linalg.pinv(servo), dtype=float)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of coordinates, multipliers and inputs."""
-        return unknown_names(self.mechanics)
+    def inverse(self) -> Array:
+        """Pseudo-inverse of C, shape (k, a)."""
+        return np.asarray(np.linalg.pinv(self.mechanics.coordinates.servo), dtype=float)
 
     @property
     def index(self) -> int:
         """Two less than that of the problem, but at least 2: the inputs need the rates."""
-        return max(Direct(self.mechanics).index - 2, 2)
+        return max(self.mechanics.coordinates.problem.analysis.index - 2, 2)
 
     def evaluate(self, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool) -> Evaluated:
         """The three projections, constraints, servo constraints."""
         mechanics, servo = self.mechanics, self.mechanics.coordinates.servo
         k, *_ = mechanics.sizes
-        _, inverse = self.spaces
         rate, acceleration = self._prescribed(given, zd, zdd)
         forces = mechanics.forces(z, rate, acceleration)
-        inner = Direct(mechanics).assemble(forces, given, z, rate, acceleration, slopes)
+        inner = self.assemble(forces, given, z, rate, acceleration, slopes)
         caused = free(mechanics, forces, z, rate, acceleration, slopes)
         tangent, left = self._tangent(mechanics.constraint_slope(caused.forces))
         motion = inner.residual[:k]
@@ -75,21 +87,14 @@ class DependentProjection:
         jacobian[:2, rows + len(servo) : end] = self._second_slopes(caused, z, rate)
         jacobian[:, end:] = inner.jacobian[:, k:]
         # What is prescribed does not depend on the unknowns.
-        keep = np.eye(k) - inverse @ servo
+        keep = np.eye(k) - self.inverse @ servo
         jacobian[1:, :, :k] = jacobian[1:, :, :k] @ keep
         return Evaluated(residual, jacobian)
-
-    def rates(self, z: Array, zd: Array, zdd: Array) -> tuple[Array, Array]:
-        """Rates of the coordinates, and the accelerations that the forces cause."""
-        k, *_ = self.mechanics.sizes
-        forces = self.mechanics.forces(z, zd[:k], zdd[:k])
-        caused = free(self.mechanics, forces, z, zd[:k], zdd[:k], False)
-        return zd[:k], caused.acceleration
 
     def _prescribed(self, given: Array, zd: Array, zdd: Array) -> tuple[Array, Array]:
         """Rates and accelerations with those of the outputs from the reference."""
         k, *_ = self.mechanics.sizes
-        servo, (_, inverse) = self.mechanics.coordinates.servo, self.spaces
+        servo, inverse = self.mechanics.coordinates.servo, self.inverse
         rate, acceleration = zd[:k], zdd[:k]
         return (
             rate + inverse @ (given[1] - servo @ rate),
@@ -100,7 +105,7 @@ class DependentProjection:
         """D, and the matrix that gives the multipliers in D's derivative: d D^T r = -D^T dG^T
         (left r).
         """
-        across, _ = self.spaces
+        across = self.tangent
         inside = gradient @ across
         m = len(inside)
         *_, order = qr(inside, pivoting=True, mode="economic")

@@ -17,9 +17,11 @@ from functools import cached_property
 
 import numpy as np
 
+from ...models.errors import RigError
 from ...models.types import Array
-from ..exact.problem import analyse
+from ..exact.problem import Problem
 from ..exact.structure import Analysis, Row
+from .coordinates import coordinates_of
 from .formulation import Evaluated
 from .mechanics import Mechanics
 
@@ -29,12 +31,31 @@ class Repeated:
     """The equations in redundant coordinates, minimally extended several times."""
 
     mechanics: Mechanics
+    """Equations of motion in redundant coordinates."""
     times: int
+    """Number of applications."""
 
-    @cached_property
+    @classmethod
+    def of(cls, problem: Problem, times: int) -> "Repeated":
+        """The minimal extension of a rig's inverse dynamics, several times.
+
+        Raises
+        ------
+        RigError
+            The index would fall below 1.
+        """
+        index = problem.analysis.index
+        if index - 2 * times < 1:
+            raise RigError(
+                f"rig {problem.rig.name}: minimal extension cannot be applied {times} times, its "
+                f"index is {index} and each time takes two"
+            )
+        return cls(Mechanics(coordinates_of(problem, "redundant")), times)
+
+    @property
     def analysis(self) -> Analysis:
         """Structure of the problem."""
-        return analyse(self.mechanics.coordinates.rig)
+        return self.mechanics.coordinates.problem.analysis
 
     @property
     def index(self) -> int:

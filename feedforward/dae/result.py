@@ -8,10 +8,12 @@ import numpy as np
 from ...models.types import Array
 from ..exact.inverse import turning_angle
 from ..exact.motion import Motion, find_slack
+from ..paths.reference import Reference
 from ..series.rotation import bryant
 from .formulation import Formulation
 from .newton import Counters
 from .schemes import State
+from .start import start_angles
 
 
 @dataclass(frozen=True)
@@ -42,14 +44,14 @@ class Integration:
 
 
 def motion_of(
-    equations: Formulation, times: Array, states: list[State], angles: dict[str, float]
+    equations: Formulation, times: Array, states: list[State], reference: Reference
 ) -> Motion:
-    """Name the unknowns of N states; `angles` are those of the turning frames at the start."""
-    e = equations.mechanics.coordinates.equations
-    rig = e.rig
-    found = [_polynomial(equations, state) for state in states]
-    series = np.array([part.series for part in found]).swapaxes(0, 1)
-    multipliers = np.array([part.multipliers for part in found])
+    """The motion through N states along a reference, angles counted from those at its start."""
+    problem = equations.mechanics.coordinates.problem
+    e, rig, angles = problem.equations, problem.rig, start_angles(problem, reference)
+    parts = [_polynomial(equations, state) for state in states]
+    series = np.array([part.series for part in parts]).swapaxes(0, 1)
+    multipliers = np.array([part.multipliers for part in parts])
     columns = {name: series[:, :, i] for i, name in enumerate(e.names)}
     hidden = {i for _, *pair in e.turning for i in pair}
     for name, cos, sin in e.turning:
@@ -72,7 +74,7 @@ def motion_of(
         positions=kinematics[0],
         velocities=kinematics[1],
         accelerations=kinematics[2],
-        inputs=np.array([part.inputs for part in found]),
+        inputs=np.array([part.inputs for part in parts]),
         tensions=tensions,
         multipliers=multipliers,
         slack=find_slack(rig, times, tensions),

@@ -18,19 +18,20 @@ long as the one before.
 
 The midpoint rule meets the equations in the middle of a step and goes twice as far: whatever is
 wrong with z_n, z'_n and the inputs comes back with the other sign, and grows as it does with the
-trapezoidal rule (see `multistep`).
+trapezoidal rule (see `trapezoidal`).
 """
 
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
 from ...models.types import Array
 from .formulation import Formulation
 from .newton import Newton
-from .schemes import State, Stepped
+from .schemes import State, Stepped, add_scheme
 
 ROOT6 = 6.0**0.5
 
@@ -40,12 +41,15 @@ class Collocation:
     """A scheme that collocates at `nodes`."""
 
     name: str
+    """Name of the scheme."""
     order: int
+    """Order on ordinary differential equations."""
     nodes: tuple[float, ...]
-    memory: int = 1
+    """Stages, as shares of the step."""
+    memory: ClassVar[int] = 1
 
     def after(self, differentiations: int) -> float:
-        """One less each time, from the order of the polynomial's first derivative.
+        """Order of the values: one less each time, from the polynomial's first derivative.
 
         The midpoint rule has its order in everything, also in what the equations give exactly at
         its node, as long as nothing makes it oscillate.
@@ -61,12 +65,12 @@ class Collocation:
 
     @property
     def estimates(self) -> bool:
-        """With three stages."""
+        """Whether it estimates its error: with three stages, see above."""
         return self.stiffly_accurate and len(self.nodes) == 3
 
     @cached_property
     def differences(self) -> Array:
-        """A^-1: h times the rates at the nodes of a polynomial that starts from zero."""
+        """A^-1: h times the rates at the nodes of a polynomial that starts from zero, (s, s)."""
         c = np.array(self.nodes)
         powers = np.arange(1, len(c) + 1)
         return np.asarray(
@@ -75,7 +79,7 @@ class Collocation:
 
     @cached_property
     def begin(self) -> Array:
-        """Its rate at the start, times h, from its values at the nodes."""
+        """Factors of the values at the nodes in the rate at the start, times h, shape (s,)."""
         c = np.array(self.nodes)
         return np.asarray(np.linalg.inv(c[:, None] ** np.arange(1, len(c) + 1))[0])
 
@@ -137,4 +141,6 @@ def radau(stages: int) -> Collocation:
     return Collocation(f"Radau IIA {stages}", 2 * stages - 1, nodes)
 
 
-MIDPOINT = Collocation("midpoint rule", 2, (0.5,))
+for _stages in (2, 3):
+    add_scheme(radau(_stages))
+add_scheme(Collocation("midpoint rule", 2, (0.5,)))

@@ -12,45 +12,53 @@ problem have the order of an integration, 2 s - 1 for Radau IIA with s stages; h
 
 from typing import NamedTuple, Protocol
 
+from ...models.errors import OptionError, did_you_mean
 from ...models.types import Array
 from .formulation import Formulation
 from .newton import Newton
 
 
 class State(NamedTuple):
-    """Unknowns with two derivatives, each (N,); those of algebraic unknowns mean nothing."""
+    """Unknowns with two derivatives; those of algebraic unknowns mean nothing."""
 
     z: Array
+    """Unknowns, shape (N,)."""
     zd: Array
+    """First derivatives, shape (N,)."""
     zdd: Array
+    """Second derivatives, shape (N,)."""
 
 
 class Orders(NamedTuple):
     """Orders of convergence, infinite where the values are exact."""
 
     positions: float
+    """Order of the coordinates."""
     velocities: float
+    """Order of their rates."""
     inputs: float
+    """Order of the inputs and multipliers."""
 
 
 class Stepped(NamedTuple):
-    """What a step comes to."""
+    """Result of a step."""
 
     state: State
+    """State at its end."""
     jump: Array | None
     """Estimated error of the rates z' [unit of z / s], of schemes that have one."""
 
 
 class Scheme(Protocol):
-    """One step of a method."""
+    """A time-stepping method."""
 
     @property
     def name(self) -> str:
-        """As `integrate` knows it."""
+        """Name by which `integrate` knows it."""
 
     @property
     def order(self) -> int:
-        """On ordinary differential equations."""
+        """Order of convergence on ordinary differential equations."""
 
     def after(self, differentiations: int) -> float:
         """Order of what so many numerical differentiations yield; infinite for none."""
@@ -70,21 +78,43 @@ class Scheme(Protocol):
     def step(
         self, equations: Formulation, newton: Newton, past: list[State], given: Array, h: float
     ) -> Stepped | None:
-        """The next state.
+        """The next state, or None if the equations have no solution there.
 
         Parameters
         ----------
         equations
             The formulation.
         newton
-            Which counts.
+            Newton's method, which counts the work.
         past
-            States, the latest one last.
+            States before the step, the latest one last, `memory` of them or more.
         given
-            What is prescribed at the nodes, shape (derivatives + 1, nodes, a).
+            Prescribed values at the nodes, shape (derivatives + 1, nodes, a).
         h
-            Step [s].
+            Length of the step [s].
         """
+
+
+SCHEMES: dict[str, Scheme] = {}
+"""All schemes by name; each file with schemes adds its own."""
+
+
+def add_scheme(scheme: Scheme) -> None:
+    """Make a scheme known by its name."""
+    SCHEMES[scheme.name] = scheme
+
+
+def scheme(name: str) -> Scheme:
+    """A scheme by name.
+
+    Raises
+    ------
+    OptionError
+        There is none of that name.
+    """
+    if name not in tuple(SCHEMES):  # which need not be a word
+        raise OptionError(f"there is no scheme {name!r}{did_you_mean(str(name), SCHEMES)}")
+    return SCHEMES[name]
 
 
 def orders(scheme: Scheme, index: int) -> Orders:

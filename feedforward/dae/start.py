@@ -9,10 +9,9 @@ rest there is the first guess and nothing more.
 import numpy as np
 
 from ...models.errors import PathError
-from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..exact.branch import branch_of
-from ..exact.problem import problem_of
+from ..exact.problem import Problem
 from ..paths.reference import Reference
 from ..paths.straight import hold
 from ..series.rotation import bryant
@@ -20,6 +19,7 @@ from .direct import Direct
 from .formulation import Formulation, prescribed
 
 ITERATIONS = 20
+"""Newton steps allowed; the guess is exact but for a pulley that chooses its own place."""
 BALANCED = 1e-11
 """Largest residual of a start, over the size of the terms in its equation."""
 
@@ -45,14 +45,14 @@ def at_rest(equations: Formulation, reference: Reference) -> Array:
         # Least squares: a pulley without mass may start at a place of its own choice.
         z = z - np.linalg.lstsq(jacobian[0], residual, rcond=None)[0]
     else:
-        rig = direct.mechanics.coordinates.rig
+        rig = direct.mechanics.coordinates.problem.rig
         raise PathError(f"rig {rig.name} has no equilibrium at the start of the path")
     return np.concatenate((z, np.zeros(len(equations.names) - len(z))))
 
 
-def start_angles(rig: Rig, reference: Reference) -> dict[str, float]:
+def start_angles(problem: Problem, reference: Reference) -> dict[str, float]:
     """Angles of the turning frames at the start of a path [rad], full turns counted."""
-    branch = branch_of(problem_of(rig), hold(reference.start))
+    branch = branch_of(problem, hold(reference.start))
     return {name: float(angles[0]) for name, angles in branch.angles.items()}
 
 
@@ -60,11 +60,11 @@ def _guess(direct: Direct, reference: Reference) -> Array:
     """Coordinates, multipliers and inputs of the exact rest."""
     coordinates = direct.mechanics.coordinates
     e = coordinates.equations
-    branch = branch_of(problem_of(coordinates.rig), hold(reference.start))
+    branch = branch_of(coordinates.problem, hold(reference.start))
     n, m = len(e.names), len(e.constraint_names)
     q, multipliers, inputs = np.split(branch.values[:, 0], [n, n + m])
     values = dict(zip(e.names, q, strict=True))
-    values |= start_angles(coordinates.rig, reference)
+    values |= start_angles(coordinates.problem, reference)
     for orientation in e.orientations:
         rotation = q[list(orientation.directors)].reshape(3, 3).T
         values |= dict(zip(orientation.angles, bryant(rotation[None])[0], strict=True))

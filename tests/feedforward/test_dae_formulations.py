@@ -8,8 +8,8 @@ from flatrig.feedforward import dae
 from flatrig.feedforward.dae.coordinates import coordinates_of
 from flatrig.feedforward.dae.extension import Extension
 from flatrig.feedforward.dae.formulation import prescribed
-from flatrig.feedforward.dae.mechanics import Mechanics
 from flatrig.feedforward.dae.repeated import Repeated
+from flatrig.feedforward.exact.problem import problem_of
 from flatrig.models.errors import OptionError, RigError
 
 RIGS = (
@@ -35,7 +35,7 @@ def default(name):
 
 def exact_state(rig, reference, kind, time):
     """Unknowns of the direct formulation and two derivatives from the exact solution."""
-    c = coordinates_of(rig, kind)
+    c = coordinates_of(problem_of(rig), kind)
     motion = feedforward.solve(rig, reference, [time])
     columns = dict(zip(motion.coordinate_names, range(100), strict=False))
     values, rates = (
@@ -105,7 +105,7 @@ def test_sizes_are_the_printed_ones():
         rig = getattr(models, name)()
         assert len(dae.formulation(rig, "minimal extension, minimal").names) == free + 3 * inputs
         assert len(dae.formulation(rig, "projection, minimal").names) == free + inputs
-    rotary = coordinates_of(models.rotary_crane(), "dependent")
+    rotary = coordinates_of(problem_of(models.rotary_crane()), "dependent")
     assert rotary.names == (
         *("bridge.angle", "trolley.position", "hoist.length"),
         *("load.x", "load.y", "load.z"),
@@ -117,8 +117,8 @@ def test_sizes_are_the_printed_ones():
 def test_extension_and_reduction_of_coordinates_commute(name):
     """Figure Y 5.1: extend and then reduce, or reduce and then extend."""
     rig, reference = default(name)
-    redundant = Extension(Mechanics(coordinates_of(rig, "redundant")))
-    minimal = Extension(Mechanics(coordinates_of(rig, "minimal")))
+    redundant = Extension.of(problem_of(rig), "redundant")
+    minimal = Extension.of(problem_of(rig), "minimal")
     generator = np.random.default_rng(5)
     k, _, b = minimal.mechanics.sizes
     z = dae.start.at_rest(minimal, reference)
@@ -153,7 +153,7 @@ def test_extension_and_reduction_of_coordinates_commute(name):
 @pytest.mark.parametrize("name", ["overhead_crane", "navy_crane_2d", "navy_crane_3d"])
 def test_applied_once_by_offsets_is_minimal_extension(name):
     rig, _ = default(name)
-    once, extension = Repeated(Mechanics(coordinates_of(rig, "redundant")), 1), None
+    once, extension = Repeated.of(problem_of(rig), 1), None
     extension = dae.formulation(rig, "minimal extension")
     generator = np.random.default_rng(7)
     size = len(extension.names)

@@ -1,14 +1,17 @@
 """The schemes: orders of convergence, and how the unsuitable ones fail."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
 from flatrig import feedforward, models
 from flatrig.feedforward import dae, rest_to_rest
-from flatrig.feedforward.dae.multistep import Backward
+from flatrig.feedforward.dae.multistep import Backward, advance
 from flatrig.feedforward.dae.runge_kutta import radau
+from flatrig.models.errors import OptionError
+from flatrig.training.bench import trial_figures
 
 # Smoother than the cranes need, so that no join disturbs the order.
 PATHS = {
@@ -93,6 +96,41 @@ def test_midpoint_type_rules_oscillate(scheme):
     motion = feedforward.integrate(rig, path, step=0.0125, scheme=scheme).motion
     wrong = (motion.inputs - feedforward.solve(rig, path, motion.times).inputs)[-20:, 0]
     assert (np.sign(wrong[1:]) == -np.sign(wrong[:-1])).all()
+
+
+@dataclass(frozen=True)
+class Simple:
+    """A scheme of one's own: implicit Euler that guesses the last state."""
+
+    name: str = "my Euler"
+    order: int = 1
+    memory: int = 1
+    nodes: tuple[float, ...] = (1.0,)
+    estimates: bool = False
+
+    def after(self, differentiations):
+        return self.order if differentiations else math.inf
+
+    def step(self, equations, newton, past, given, h):
+        z, zd, _ = past[-1]
+        return advance(equations, newton, z, given[:, 0], 1 / h, (-z / h, -zd / h))
+
+
+def test_a_scheme_of_ones_own_is_added_in_one_line():
+    """As CONTRIBUTING.md says."""
+    dae.add_scheme(Simple())
+    try:
+        rig, path = models.overhead_crane(), PATHS["overhead_crane"]
+        own, euler = (
+            feedforward.integrate(rig, path, step=0.1, scheme=name).motion.inputs
+            for name in ("my Euler", "implicit Euler")
+        )
+        assert np.abs(own - euler).max() < 1e-6
+        with pytest.raises(OptionError, match="my Euler"):
+            dae.scheme("my Eular")
+        assert set(dae.SCHEMES) <= set(trial_figures.colours())
+    finally:
+        del dae.SCHEMES["my Euler"]
 
 
 @pytest.mark.parametrize("order", range(1, 6))

@@ -28,7 +28,7 @@ from ...feedforward.dae.formulation import prescribed
 from ...feedforward.dae.repeated import Repeated
 from ...feedforward.dae.result import motion_of
 from ...feedforward.dae.schemes import State
-from ...feedforward.dae.start import at_rest, start_angles
+from ...feedforward.dae.start import at_rest
 from ...feedforward.exact.motion import Motion
 from ...feedforward.exact.problem import analyse
 from ...models import Rig
@@ -109,8 +109,7 @@ class Problem:
         """The solution as a motion; velocities and accelerations among the unknowns."""
         still = np.zeros(solved.unknowns.shape[1])
         states = [State(z, still, still) for z in solved.unknowns]
-        angles = start_angles(self.rig, self.reference)
-        return motion_of(self.equations, solved.times, states, angles)
+        return motion_of(self.equations, solved.times, states, self.reference)
 
 
 Run = Callable[[], Solved]

@@ -4,6 +4,7 @@ A colour is a scheme.  Runs that failed stand as crosses on the upper edge, at t
 number of steps that they took before they ended.
 """
 
+import itertools
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -12,16 +13,11 @@ from ...feedforward import dae
 from .. import plots
 from .trials import BY_NAME, EXACT, Run
 
-COLOURS = dict(
-    zip(
-        (*dae.SCHEMES, *BY_NAME),
-        (
-            "#202020", "#56b4e9", "#0072b2", "#009e73", "#e69f00", "#d55e00", "#cc79a7",
-            "#8c8c8c", "#b8a200", "#7a3b9a", "#e0218a", "#5a7d2a", "#a0522d",
-        ),
-        strict=True,
-    )
+PALETTE = (
+    "#202020", "#56b4e9", "#0072b2", "#009e73", "#e69f00", "#d55e00", "#cc79a7",
+    "#8c8c8c", "#b8a200", "#7a3b9a", "#e0218a", "#5a7d2a", "#a0522d",
 )  # fmt: skip
+"""Colours of the schemes, then of the peers; from the first again where there are more."""
 LOWEST, HIGHEST = 1e-16, 1e2
 """Errors are drawn between these."""
 
@@ -99,12 +95,17 @@ def one(path: Path, runs: Sequence[Run], name: str, formulation: str) -> None:
     plots.save(drawn, path)
 
 
+def colours() -> dict[str, str]:
+    """The colour of every scheme and peer."""
+    return dict(zip((*dae.SCHEMES, *BY_NAME), itertools.cycle(PALETTE), strict=False))
+
+
 def curves(
     ax: Any, runs: Sequence[Run], quantity: Quantity, cost: Cost, *, dashed: bool = False
 ) -> None:
     """Errors of one quantity against one cost; runs with a tolerance as open circles."""
     ax.set(xscale="log", yscale="log", ylim=(LOWEST, HIGHEST))
-    for scheme, colour in COLOURS.items():
+    for scheme, colour in colours().items():
         tried = [r for r in runs if r.scheme == scheme and not r.failure.startswith("not run")]
         for constant in (True, False):
             some = [run for run in tried if bool(run.count) == constant and not run.failure]
@@ -145,7 +146,7 @@ def _legend(drawn: Any, schemes: set[str], **options: Any) -> None:
             label=name,
             linestyle="--" if name in BY_NAME else "-",
         )
-        for name, colour in COLOURS.items()
+        for name, colour in colours().items()
         if name in schemes
     ]
     handles.append(
