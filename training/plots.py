@@ -42,6 +42,11 @@ def title(axes: Any, text: str) -> None:
     axes.set_title(text, loc="left", fontsize=9.5, fontweight="bold", color="#303030", pad=8)
 
 
+def heading(figure: Any, text: str) -> None:
+    """A heading of the whole figure, flush left."""
+    figure.suptitle(text, x=0.012, ha="left", fontsize=11, fontweight="bold")
+
+
 def save(made: Any, path: str | Path) -> None:
     """Write a figure as PNG.
 

@@ -1,30 +1,61 @@
 """`flatrig reproduce`: the registry, and the figures that are quick to make."""
 
-import importlib
-
 import numpy as np
 import pytest
 from PIL import Image
 
-from flatrig.training import cli
+from flatrig.training import cli, plots
 from flatrig.training.reproduce import figures_k3_loop, kiss_crane
-from flatrig.training.reproduce.index import ENTRIES
+from flatrig.training.reproduce.entry import Sheet, entries, entry
+from flatrig.training.reproduce.gallery import NOTES
+from flatrig.training.tables import table
+
+ENTRIES = entries()
 
 
 @pytest.mark.parametrize("argv", [["reproduce"], ["reproduce", "K3.21", "--list"]])
 def test_the_list_names_every_entry(argv, capsys):
     assert cli.main(argv) == 0
     said = capsys.readouterr().out
-    for name, entry in ENTRIES.items():
-        assert name in said
-        assert entry.title in said
+    for known in ENTRIES.values():
+        assert known.name in said
+        assert known.title in said
 
 
 @pytest.mark.parametrize("name", ENTRIES)
-def test_entries_name_functions(name):
-    module, _, function = ENTRIES[name].function.partition(":")
-    loaded = importlib.import_module(f"flatrig.training.reproduce.{module}")
-    assert callable(getattr(loaded, function))
+def test_entries_are_named_and_titled(name):
+    assert ENTRIES[name].name == name
+    assert ENTRIES[name].title
+    assert callable(ENTRIES[name].make)
+
+
+def test_entries_stand_in_the_order_of_their_numbers():
+    names = [*ENTRIES]
+    assert names.index("K2.19") < names.index("K3.13") < names.index("Y2.7") < names.index("Y2.10")
+    assert set().union(*NOTES) <= set(names)
+
+
+def test_a_new_entry_is_one_function(capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr("flatrig.training.reproduce.entry._REGISTERED", {})
+
+    @entry("Z9.1", "nothing at all, twice")
+    def nothing():
+        figure, _ = plots.figure(2.0, 2.0)
+        columns = {"time": np.array([0.0, 1.0]), "what, exactly": ["none", "none"]}
+        return Sheet(table("Nothing", "", "how much", rows=[("here", "0")]), figure, columns)
+
+    assert cli.main(["reproduce"]) == 0
+    assert "nothing at all, twice" in capsys.readouterr().out
+    assert cli.main(["reproduce", "z9.1", "-o", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "how much" in said
+    for suffix in (".png", ".csv"):
+        assert f"wrote {tmp_path / 'Z9.1'}{suffix}" in said
+    assert (tmp_path / "Z9.1.csv").read_text() == 'time,"what, exactly"\n0,none\n1,none\n'
+    assert cli.main(["reproduce", "all", "--page", str(tmp_path / "page.md")]) == 0
+    page = (tmp_path / "page.md").read_text()
+    assert "![Z9.1: nothing at all, twice](page/Z9.1.png)" in page
+    assert (tmp_path / "page" / "Z9.1.png").exists()
 
 
 def test_an_unknown_name_is_one_line(capsys, tmp_path):

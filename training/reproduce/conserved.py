@@ -10,7 +10,6 @@ where every step is short for the motion; MuJoCo's is taken from its two coarses
 
 from collections.abc import Sequence
 from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,8 +32,8 @@ from ...models.mjcf.simulate import run as simulate
 from ...models.types import Array
 from .. import plots
 from ..simulate.drift import DURATION, drift, free_motion
-from ..tables import table, write_csv
-from . import sheets
+from ..tables import table
+from .entry import Sheet, entry
 from .work_precision import LOOKS
 
 COUNTS = (50, 100, 200, 400)
@@ -67,13 +66,13 @@ class Kept(NamedTuple):
     """Of the load's place at the end [m]."""
 
 
-def figure(stem: Path) -> Table:
-    """Departures, errors and condition numbers over the step, their CSV, and the table."""
+@entry("integrators", "what integrators keep of the free crane")
+def integrators() -> Sheet:
+    """Departures, errors and condition numbers over the step."""
     runs, conditions = [*measure(), *in_mujoco()], _conditions()
-    _draw(stem, runs, conditions)
-    _write(stem, runs)
-    found = orders(runs) | orders(measure(ORDER_COUNTS, duration=ORDER_DURATION))
-    return _table(runs, conditions, found)
+    measured = orders(runs) | orders(measure(ORDER_COUNTS, duration=ORDER_DURATION))
+    summary = _table(runs, conditions, measured)
+    return Sheet(summary, _draw(runs, conditions), _columns(runs))
 
 
 def measure(
@@ -140,8 +139,8 @@ def _conditions() -> list[Condition]:
     return condition_table(system, start.q, start.v, CONDITION_STEPS)
 
 
-def _draw(stem: Path, runs: Sequence[Kept], conditions: Sequence[Condition]) -> None:
-    drawn, axes = plots.figure(8.8, 6.0, nrows=2, ncols=2)
+def _draw(runs: Sequence[Kept], conditions: Sequence[Condition]) -> Any:
+    figure, axes = plots.figure(8.8, 6.0, nrows=2, ncols=2)
     for name, (colour, mark) in LOOKS.items():
         rows = [run for run in runs if run.method == name]
         if not rows:
@@ -174,20 +173,23 @@ def _draw(stem: Path, runs: Sequence[Kept], conditions: Sequence[Condition]) -> 
         ax.set_xticks([1e3 / count for count in COUNTS], [f"{1e3 / count:g}" for count in COUNTS])
         ax.minorticks_off()
     lines, texts = axes[0, 0].get_legend_handles_labels()
-    drawn.legend(lines, texts, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
-    sheets.save(stem, drawn)
+    figure.legend(lines, texts, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+    return figure
 
 
-def _write(stem: Path, runs: Sequence[Kept]) -> None:
-    columns = ("method", "step [s]", "change of energy [J]", "relative change of momentum",
-               "error [m]")  # fmt: skip
-    rows = ((run.method, f"{run.step:g}", run.energy, run.momentum, run.error) for run in runs)
-    write_csv(sheets.beside(stem, ".csv"), columns, rows, ".3e")
+def _columns(runs: Sequence[Kept]) -> dict[str, list[str]]:
+    return {
+        "method": [run.method for run in runs],
+        "step [s]": [f"{run.step:g}" for run in runs],
+        "change of energy [J]": [f"{run.energy:.3e}" for run in runs],
+        "relative change of momentum": [f"{run.momentum:.3e}" for run in runs],
+        "error [m]": [f"{run.error:.3e}" for run in runs],
+    }
 
 
-def _table(runs: Sequence[Kept], conditions: Sequence[Condition], found: dict[str, float]) -> Table:
+def _table(runs: Sequence[Kept], conditions: Sequence[Condition], order: dict[str, float]) -> Table:
     """At the step that is shown, with the orders, and condition numbers at that step."""
-    shown = table(
+    summary = table(
         f"Free rotary crane, 1 s at steps of {1 / SHOWN:g} s",
         "method", "energy [J]", "over its size", "L_z, relative", "load [m]", "order", "unknowns",
         "condition", "scaled",
@@ -196,8 +198,8 @@ def _table(runs: Sequence[Kept], conditions: Sequence[Condition], found: dict[st
     for run in (run for run in runs if run.step == 1 / SHOWN):
         row = matrices.get(run.method)
         matrix = [str(row.unknowns), f"{row.printed:.0e}", f"{row.scaled:.0e}"] if row else [""] * 3
-        shown.add_row(
+        summary.add_row(
             run.method, f"{run.energy:.1e}", f"{run.energy / ENERGY:.1e}", f"{run.momentum:.1e}",
-            f"{run.error:.1e}", f"{found[run.method]:.2f}", *matrix,
+            f"{run.error:.1e}", f"{order[run.method]:.2f}", *matrix,
         )  # fmt: skip
-    return shown
+    return summary

@@ -16,11 +16,9 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.table import Table
 
 from ...feedforward import Regulator
 from ...feedforward.stability.rivals import rivals
@@ -35,7 +33,8 @@ from ...models import (
 from ...models.types import Array
 from ..simulate.closed_loop import Course, closed_loop
 from ..tables import table
-from . import kiss_crane, sheets
+from . import kiss_crane
+from .entry import Sheet, entry
 
 Columns = dict[str, Array]
 
@@ -250,9 +249,10 @@ CASES: dict[str, Case] = {
 from a search for the gains with which the slowest motion dies fastest."""
 
 
-def figure(stem: Path) -> Table:
-    """Run every case; the final errors [m] go into a CSV file."""
-    shown = table(
+@entry("stability", "PD on many initial states, K theorems 6 to 9")
+def stability() -> Sheet:
+    """Run every case; the columns are the final errors [m]."""
+    summary = table(
         f"PD on encoders: {RUNS} random initial states each (K theorems 6 to 9)",
         "crane", "runs", "from [m]", "after [s]", "largest error [m]", "converged", "stay taut",
         "rise of W / W0", "other rest [J]", "computed in [s]",
@@ -261,11 +261,10 @@ def figure(stem: Path) -> Table:
     for name, case in CASES.items():
         out = study(case)
         errors[name.replace(",", "")] = out.errors
-        shown.add_row(
+        summary.add_row(
             name, f"{len(out.errors)}", f"{out.farthest:.3g}", f"{case.duration:g}",
             f"{out.errors.max():.1e}", f"{out.converged}", f"{out.taut.sum()}",
             f"{out.rise:.1e}" if out.rise > ROUNDING else "none",
             f"{out.rival:.4g}" if math.isfinite(out.rival) else "none", f"{out.seconds:.1f}",
         )  # fmt: skip
-    sheets.write_csv(stem, errors)
-    return shown
+    return Sheet(summary, columns=errors)

@@ -5,7 +5,6 @@ examples 4 and 7; those are the catalogue's.  The planar hand's vertical axis is
 """
 
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from ...models import Hand, Tip, default_hand_move, make_hand
 from ...models.types import Array
 from .. import plots
 from ..tables import table
-from . import sheets
+from .entry import Sheet, entry
 
 SAMPLES = 401
 SNAPSHOTS = 5
@@ -47,13 +46,14 @@ def _motion(name: str) -> HandMotion:
     return plan_hand(make_hand(name), move)(np.linspace(0.0, move.duration, SAMPLES))
 
 
-def planar(stem: Path) -> Table:
+@entry("K2.13", "planar hand: object and fingers")
+def planar() -> Sheet:
     """K 2.13."""
     from matplotlib.patches import Circle
 
     motion = _motion("two_finger_hand")
     held, x, z = motion.hand.held, motion.position[:, 0], motion.position[:, 2]
-    drawn, (left, right) = plots.figure(8.6, 4.2, ncols=2, width_ratios=(1.25, 1.0))
+    figure, (left, right) = plots.figure(8.6, 4.2, ncols=2, width_ratios=(1.25, 1.0))
     for k in np.linspace(0, SAMPLES - 1, SNAPSHOTS).astype(int):
         strength = 0.25 + 0.65 * k / SAMPLES
         left.add_patch(Circle((x[k], z[k]), held.radius, fill=False, color=DARK, alpha=strength))
@@ -76,18 +76,18 @@ def planar(stem: Path) -> Table:
     lines(right, "Position and orientation of the object", motion.times, columns)
     right.set_xlabel("time [s]")
     right.legend(fontsize=8)
-    sheets.save(stem, drawn)
     for name, path in zip(
         motion.hand.finger_names, motion.finger_positions.swapaxes(0, 1), strict=True
     ):
         columns |= {f"{name} {axis} [m]": path[:, i] for i, axis in ((0, "x"), (2, "z"))}
-    sheets.write_csv(stem, {"time": motion.times, **columns})
-    shown = _facts("Planar hand, example 7", motion)
-    sizes = [_radius(motion.hand, i) for i in range(2)]
-    share = sizes[0] / (sizes[0] + held.radius)
-    shown.add_row("contacts on the disc move by [rad]", f"{-share * motion.angle[-1]:.4g}")
-    shown.add_row("finger's acceleration at either end [m/s2]", f"{_at_rest(motion):.1e}")
-    return shown
+    share = _radius(motion.hand, 0) / (_radius(motion.hand, 0) + held.radius)
+    summary = _summary(
+        "Planar hand, example 7",
+        motion,
+        ("contacts on the disc move by [rad]", f"{-share * motion.angle[-1]:.4g}"),
+        ("finger's acceleration at either end [m/s2]", f"{_at_rest(motion):.1e}"),
+    )
+    return Sheet(summary, figure, {"time": motion.times, **columns})
 
 
 def _radius(hand: Hand, i: int) -> float:
@@ -101,14 +101,15 @@ def _at_rest(motion: HandMotion) -> float:
     return float(np.abs(motion.finger_accelerations[[0, -1]]).max())
 
 
-def _facts(heading: str, motion: HandMotion) -> Table:
-    """What is true of every plan."""
-    move = motion.move
-    shown = table(f"{heading}, {move.duration:g} s", "", "")
-    shown.add_row("largest residual of a constraint", f"{max(residuals(motion)):.1e}")
-    again = replay(plan_hand(motion.hand, move)).orientation
-    shown.add_row("driftless system integrated again, off by [rad]", f"{again:.1e}")
-    return shown
+def _summary(heading: str, motion: HandMotion, *more: tuple[str, str]) -> Table:
+    """What is told of every plan, and more rows."""
+    again = replay(plan_hand(motion.hand, motion.move)).orientation
+    rows = (
+        ("largest residual of a constraint", f"{max(residuals(motion)):.1e}"),
+        ("driftless system integrated again, off by [rad]", f"{again:.1e}"),
+        *more,
+    )
+    return table(f"{heading}, {motion.move.duration:g} s", "", "", rows=rows)
 
 
 def _angles(motion: HandMotion) -> dict[str, Array]:
@@ -116,61 +117,64 @@ def _angles(motion: HandMotion) -> dict[str, Array]:
     return {f"{name} [rad]": angle for name, angle in zip(names, motion.rpy.T, strict=True)}
 
 
-def without_spinning(stem: Path) -> Table:
+@entry("K2.15", "ball rolling without spin: orientation")
+def without_spinning() -> Sheet:
     """K 2.15, and where the contact goes."""
     motion = _motion("ball_on_plate")
-    drawn, (left, right) = plots.figure(8.2, 3.8, ncols=2, width_ratios=(1.4, 1.0))
+    figure, (left, right) = plots.figure(8.2, 3.8, ncols=2, width_ratios=(1.4, 1.0))
     columns = _angles(motion)
     lines(left, "Orientation without spin", motion.times, columns)
     left.set_xlabel("time [s]")
     left.legend(fontsize=8)
     touch = motion.contacts_on_fingers[:, 0, :2]
     _path(right, touch, "Contact point on the plate", "xy")
-    sheets.save(stem, drawn)
     columns |= {"contact x [m]": touch[:, 0], "contact y [m]": touch[:, 1]}
-    sheets.write_csv(stem, {"time": motion.times, **columns})
-    shown = _facts("Ball on a plate without spin, example 1", motion)
     path = without_spin(motion.move)
     assert isinstance(path, WithoutSpin)
-    for i, factor in enumerate(path.coefficients):
-        shown.add_row(f"a{i} of psi(theta) (K 2.105)", f"{factor:.6g}")
     spin = float(np.abs(motion.angular_velocity[:, 2]).max())
-    shown.add_row("largest spin [rad/s]", f"{spin:.1e}")
-    shown.add_row("error of the contact point's integral [rad]", f"{motion.quadrature_error:.1e}")
-    shown.add_row("contact ends at [cm]", ", ".join(f"{1e2 * end:.4g}" for end in touch[-1]))
-    return shown
+    summary = _summary(
+        "Ball on a plate without spin, example 1",
+        motion,
+        *((f"a{i} of psi(theta) (K 2.105)", f"{a:.6g}") for i, a in enumerate(path.coefficients)),
+        ("largest spin [rad/s]", f"{spin:.1e}"),
+        ("error of the contact point's integral [rad]", f"{motion.quadrature_error:.1e}"),
+        ("contact ends at [cm]", _centimetres(touch[-1])),
+    )
+    return Sheet(summary, figure, {"time": motion.times, **columns})
 
 
-def in_corner(stem: Path) -> Table:
+@entry("K2.16", "ball in a corner: orientation")
+def in_corner() -> Sheet:
     """K 2.16."""
     motion = _motion("ball_in_corner")
-    drawn, ax = plots.figure(5.6, 3.6)
+    figure, ax = plots.figure(5.6, 3.6)
     columns = _angles(motion)
     lines(ax, "Orientation of a ball in a corner", motion.times, columns)
     ax.set_xlabel("time [s]")
     ax.legend(fontsize=8)
-    sheets.save(stem, drawn)
-    sheets.write_csv(stem, {"time": motion.times, **columns})
-    return _facts("Ball in a corner, example 4", motion)
+    summary = _summary("Ball in a corner, example 4", motion)
+    return Sheet(summary, figure, {"time": motion.times, **columns})
 
 
-def contacts_in_corner(stem: Path) -> Table:
+@entry("K2.17", "ball in a corner: contact points")
+def contacts_in_corner() -> Sheet:
     """K 2.17."""
     motion = _motion("ball_in_corner")
-    drawn, axes = plots.figure(9.0, 3.5, ncols=3)
-    shown = _facts("Ball in a corner, example 4", motion)
-    shown.add_row("error of the contacts' integrals [rad]", f"{motion.quadrature_error:.1e}")
-    columns: dict[str, Array] = {}
+    figure, axes = plots.figure(9.0, 3.5, ncols=3)
+    rows = [("error of the contacts' integrals [rad]", f"{motion.quadrature_error:.1e}")]
+    columns = {"time": motion.times}
     for i, (ax, plane) in enumerate(zip(axes, ("xz", "yz", "xy"), strict=True)):
         name = motion.hand.finger_names[i]
         path = motion.contacts_on_fingers[:, i, ["xyz".index(axis) for axis in plane]]
         _path(ax, path, f"Contact on {name}", plane)
         columns |= {f"{name} {axis} [m]": along for axis, along in zip(plane, path.T, strict=True)}
-        end = ", ".join(f"{1e2 * value:.4g}" for value in path[-1])
-        shown.add_row(f"contact on {name} ends at {plane[0]}, {plane[1]} [cm]", end)
-    sheets.save(stem, drawn)
-    sheets.write_csv(stem, {"time": motion.times, **columns})
-    return shown
+        where = f"contact on {name} ends at {plane[0]}, {plane[1]} [cm]"
+        rows.append((where, _centimetres(path[-1])))
+    return Sheet(_summary("Ball in a corner, example 4", motion, *rows), figure, columns)
+
+
+def _centimetres(place: Array) -> str:
+    return ", ".join(f"{1e2 * value:.4g}" for value in place)
 
 
 def _path(ax: Any, path: Array, heading: str, axes: str) -> None:
@@ -184,37 +188,35 @@ def _path(ax: Any, path: Array, heading: str, axes: str) -> None:
     ax.set_aspect("equal", adjustable="datalim")
 
 
-def classification(stem: Path) -> Table:
+@entry("K2.table", "which hands are holonomic, flat, Liouvillian")
+def classification() -> Sheet:
     """K's table 2.1 beside the ranks found, with the reasons."""
-    del stem  # nothing is written
-    shown = table(
+    summary = table(
         "Table 2.1: K's row in brackets where it says something else", "hand", "K's row, fingers",
         "holonomic", "flat", "Liouvillian", "derived flag", "flat or not, because", right=False,
     )  # fmt: skip
-    shown.columns[0].no_wrap = True
+    summary.columns[0].no_wrap = True
     for hand, row in _classified():
-        found = classify(hand)
-        answers = ("yes" if found.holonomic else "no", found.flat, found.liouvillian)
+        kind = classify(hand)
+        answers = ("yes" if kind.holonomic else "no", kind.flat, kind.liouvillian)
         printed = K_TABLE[row]
         cells = [
-            mine if its in (mine, "") else f"{mine} ({its})"
-            for mine, its in zip(answers, printed[2:], strict=True)
+            answer if text in (answer, "") else f"{answer} ({text})"
+            for answer, text in zip(answers, printed[2:], strict=True)
         ]
-        flag = ", ".join(map(str, found.derived_flag))
-        kind = f"{printed[0]}, {printed[1]}"
-        shown.add_row(found.hand, kind, *cells, flag, found.reasons[1])
-    return shown
+        flag = ", ".join(map(str, kind.derived_flag))
+        summary.add_row(kind.hand, ", ".join(printed[:2]), *cells, flag, kind.reasons[1])
+    return Sheet(summary)
 
 
 def _classified() -> list[tuple[Hand, int]]:
     """Hands, and the number of K's row that each belongs to."""
-    one, two = "ball_on_plate", "ball_between_plates"
     return [
         (make_hand("two_finger_hand"), 0),
-        (make_hand(one), 1),
-        (make_hand(one, spin=False), 1),
-        (make_hand(two), 2),
-        (make_hand(two, spin=False), 2),
+        (make_hand("ball_on_plate"), 1),
+        (make_hand("ball_on_plate", spin=False), 1),
+        (make_hand("ball_between_plates"), 2),
+        (make_hand("ball_between_plates", spin=False), 2),
         (make_hand("ball_between_oblique_plates"), 2),
         (make_hand("ball_in_corner"), 2),
         (make_hand("three_finger_hand"), 3),

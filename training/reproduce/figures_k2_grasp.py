@@ -14,10 +14,10 @@ all lie inside the cones.  The catalogue's move ends with other contacts, and ca
 from dataclasses import replace
 from functools import cache
 from math import pi
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from rich.table import Table
 
 from ...feedforward.rolling import ContactForces, HandMotion, in_cones, least_norm, plan_hand
@@ -27,12 +27,14 @@ from ...models.hand.hand import EVERY_WAY
 from ...models.types import Array
 from .. import plots
 from ..tables import table
-from . import sheets
+from .entry import Sheet, entry
 from .figures_k2 import DARK, lines
 
 SAMPLES = 401
 MARGIN = 0.2
 """Share of the friction that is kept in reserve."""
+SLIPS = 1e-6
+"""Tangential force beyond the cone [N] that is more than rounding of the forces' search."""
 PRESS = 0.05
 """How hard every finger presses at least, as a share of the weight."""
 NET = {"color": DARK, "linestyle": (0, (1, 1.5)), "linewidth": 1.2, "label": "sum"}
@@ -53,17 +55,17 @@ def as_printed(motion: HandMotion) -> ContactForces:
 def as_long_as_there_are(motion: HandMotion) -> ContactForces:
     """Forces in the cones, without any reserve, up to the last instant that has some."""
     plan = plan_hand(motion.hand, motion.move)
-    found, enough, too_many = None, 0, len(motion.times) + 1
+    forces, enough, too_many = None, 0, len(motion.times) + 1
     while too_many - enough > 1:
         count = (enough + too_many) // 2
         try:
-            found = in_cones(plan(motion.times[:count]), margin=0.0, press=0.0)
+            forces = in_cones(plan(motion.times[:count]), margin=0.0, press=0.0)
             enough = count
         except PathError:
             too_many = count
-    if found is None:
+    if forces is None:
         raise PathError("no forces lie inside the cones, not even at the beginning")
-    return found
+    return forces
 
 
 @cache
@@ -87,9 +89,9 @@ def _misread() -> dict[str, ContactForces]:
     """
     hand, move = make_hand(_THREE), PRINTED_HAND_MOVES[_THREE]
     tips = (
-        replace(one, surface=replace(one.surface, axes=EVERY_WAY))
-        for one in hand.fingers
-        if isinstance(one.surface, Tip)
+        replace(finger, surface=replace(finger.surface, axes=EVERY_WAY))
+        for finger in hand.fingers
+        if isinstance(finger.surface, Tip)
     )
     hand = replace(hand, fingers=tuple(tips))
     first, (_, latitude), third = move.start_contacts
@@ -105,14 +107,15 @@ def _misread() -> dict[str, ContactForces]:
     }
 
 
-def planar_forces(stem: Path) -> Table:
+@entry("K2.14", "contact forces of K2.13, and in the cones")
+def planar_forces() -> Sheet:
     """K 2.14, least norm beside forces in the cones."""
     motion = _moved(make_hand("two_finger_hand"), default_hand_move("two_finger_hand"))
     cases = {
         "Least norm": least_norm(motion),
         "In the friction cones": in_cones(motion, MARGIN, PRESS),
     }
-    drawn, axes = plots.figure(7.6, 6.0, nrows=3, ncols=2, sharex=True, sharey="row")
+    figure, axes = plots.figure(7.6, 6.0, nrows=3, ncols=2, sharex=True, sharey="row")
     _columns(axes, cases, "xz")
     axes[2, 0].set_ylabel("normal [N]")
     for ax, forces in zip(axes[2], cases.values(), strict=True):
@@ -120,22 +123,24 @@ def planar_forces(stem: Path) -> Table:
         lines(ax, "", motion.times, pressing)
         ax.axhline(0.0, color=DARK, linewidth=0.8)
         _shade(ax, forces)
-    return _finish(stem, drawn, axes, cases)
+    return _finish(figure, axes, cases)
 
 
-def three_finger_forces(stem: Path) -> Table:
+@entry("K2.18", "three fingers: contact forces")
+def three_finger_forces() -> Sheet:
     """K 2.18, which is the dotted sum, with the fingers' shares: least norm, and in the cones."""
     cases = {name: forces for name, forces in _three_fingers().items() if "as K" not in name}
-    drawn, axes = plots.figure(8.0, 5.2, nrows=3, ncols=3, sharex=True, sharey="row")
+    figure, axes = plots.figure(8.0, 5.2, nrows=3, ncols=3, sharex=True, sharey="row")
     _columns(axes, cases, "xyz")
-    return _finish(stem, drawn, axes, cases)
+    return _finish(figure, axes, cases)
 
 
-def cosines(stem: Path) -> Table:
+@entry("K2.19", "three fingers: where forces pull or slip")
+def cosines() -> Sheet:
     """K 2.19, and with the arms in space."""
     cases = _three_fingers()
     friction = make_hand(_THREE).friction
-    drawn, axes = plots.figure(8.0, 5.6, nrows=2, ncols=2, sharex=True, sharey=True)
+    figure, axes = plots.figure(8.0, 5.6, nrows=2, ncols=2, sharex=True, sharey=True)
     columns: dict[str, Array] = {}
     for ax, (heading, forces) in zip(axes.flat, cases.items(), strict=True):
         curves = dict(zip(forces.motion.hand.finger_names, forces.cosines.T, strict=True))
@@ -152,9 +157,7 @@ def cosines(stem: Path) -> Table:
     edge = -1.0 / np.hypot(1.0, friction)
     axes[0, 1].annotate("edge of the cones", (0.02, edge + 0.05), fontsize=8, color="#404040")
     axes[0, 0].legend(fontsize=8)
-    sheets.save(stem, drawn)
-    _write(stem, next(iter(cases.values())).motion.times, columns)
-    return _summary(cases | _misread())
+    return Sheet(_summary(cases | _misread()), figure, _whole(cases, columns))
 
 
 def _columns(axes: Any, cases: dict[str, ContactForces], along: str) -> None:
@@ -175,8 +178,7 @@ def _columns(axes: Any, cases: dict[str, ContactForces], along: str) -> None:
 def _shade(ax: Any, forces: ContactForces) -> None:
     """Mark where forces are outside the cones, and where there are none."""
     motion = forces.motion
-    excess = forces.tangential - motion.hand.friction * forces.normal
-    times, wrong = motion.times, (excess > 1e-6).any(axis=1)
+    times, wrong = motion.times, _outside(forces)
     if times[-1] < motion.move.duration:
         times = np.append(times, (times[-1], motion.move.duration))
         wrong = np.append(wrong, (True, True))
@@ -186,36 +188,40 @@ def _shade(ax: Any, forces: ContactForces) -> None:
     )  # fmt: skip
 
 
-def _write(stem: Path, times: Array, columns: dict[str, Array]) -> None:
-    """The numbers as CSV, without the curves that end early."""
-    whole = {name: values for name, values in columns.items() if len(values) == len(times)}
-    sheets.write_csv(stem, {"time": times, **whole})
+def _outside(forces: ContactForces) -> NDArray[np.bool_]:
+    """Whether a force is outside its cone, (N,)."""
+    excess = forces.tangential - forces.motion.hand.friction * forces.normal
+    return np.asarray((excess > SLIPS).any(axis=1))
 
 
-def _finish(stem: Path, drawn: Any, axes: Any, cases: dict[str, ContactForces]) -> Table:
-    """Legend, labels, files and the table."""
+def _whole(cases: dict[str, ContactForces], columns: dict[str, Array]) -> dict[str, Array]:
+    """Columns over time, without the curves that end early."""
+    times = next(iter(cases.values())).motion.times
+    return {"time": times} | {key: row for key, row in columns.items() if len(row) == len(times)}
+
+
+def _finish(figure: Any, axes: Any, cases: dict[str, ContactForces]) -> Sheet:
+    """Legend, labels, numbers and the table."""
     axes[0, 0].legend(fontsize=8)
     for ax in axes[-1]:
         ax.set_xlabel("time [s]")
-    sheets.save(stem, drawn)
-    columns = {}
-    for heading, forces in cases.items():
-        for i, name in enumerate(forces.motion.hand.finger_names):
-            for k, axis in enumerate("xyz"):
-                columns[f"{heading}: {name} {axis}"] = forces.values[:, i, k]
-    _write(stem, next(iter(cases.values())).motion.times, columns)
-    return _summary(cases)
+    columns = {
+        f"{heading}: {name} {axis}": forces.values[:, i, k]
+        for heading, forces in cases.items()
+        for i, name in enumerate(forces.motion.hand.finger_names)
+        for k, axis in enumerate("xyz")
+    }
+    return Sheet(_summary(cases), figure, _whole(cases, columns))
 
 
 def _summary(cases: dict[str, ContactForces]) -> Table:
-    shown = table(
+    summary = table(
         "Shaded in the figure: forces outside the cones, or none", "forces", "up to [s]",
         "least normal [N]", "largest cosine", "outside for [s]",
     )  # fmt: skip
     for heading, forces in cases.items():
         times = forces.motion.times
-        excess = forces.tangential - forces.motion.hand.friction * forces.normal
-        outside = (excess > 1e-6).any(axis=1).mean() * times[-1]
+        outside = _outside(forces).mean() * times[-1]
         numbers = (times[-1], forces.normal.min(), forces.cosines.max(), outside)
-        shown.add_row(heading, *(f"{number:.4g}" for number in numbers))
-    return shown
+        summary.add_row(heading, *(f"{number:.4g}" for number in numbers))
+    return summary

@@ -7,16 +7,15 @@ assumed.  The boom must go where the load is to be drawn to, hence back and fort
 """
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
-from rich.table import Table
 
 from ...feedforward import Motion, Reference, over, solve
 from .. import plots
 from ..simulate.open_loop import open_loop
 from ..tables import table
 from . import kiss_crane, sheets
+from .entry import Sheet, entry
 
 DURATIONS = {"horizontal": 1.2, "parabola": 1.2, "straight": 0.8}
 """[s]"""
@@ -27,47 +26,53 @@ MOTORS = {"tagline": "T1", "suspension": "T2", "hoist": "T3", "boom": "T4"}
 """K's names of the inputs (K figure 3.12)."""
 
 
-def horizontal(stem: Path) -> Table:
+@entry("K3.13", "horizontal move of the small Navy crane's load")
+def horizontal() -> Sheet:
     """K 3.13."""
-    return _path(stem, "Horizontal move", "horizontal")
+    return _path("Horizontal move", "horizontal")
 
 
-def horizontal_torques(stem: Path) -> Table:
+@entry("K3.14", "torques for the move of K3.13")
+def horizontal_torques() -> Sheet:
     """K 3.14."""
-    return _torques(stem, "Horizontal move", "horizontal")
+    return _torques("Horizontal move", "horizontal")
 
 
-def parabola(stem: Path) -> Table:
+@entry("K3.15", "the same places joined by a parabola")
+def parabola() -> Sheet:
     """K 3.15."""
-    return _path(stem, "Parabola over an obstacle", "parabola")
+    return _path("Parabola over an obstacle", "parabola")
 
 
-def parabola_torques(stem: Path) -> Table:
+@entry("K3.16", "torques for the move of K3.15")
+def parabola_torques() -> Sheet:
     """K 3.16."""
-    return _torques(stem, "Parabola over an obstacle", "parabola")
+    return _torques("Parabola over an obstacle", "parabola")
 
 
-def straight(stem: Path) -> Table:
+@entry("K3.17", "straight move in space")
+def straight() -> Sheet:
     """K 3.17."""
-    return _path(stem, "Straight line in space", "straight")
+    return _path("Straight line in space", "straight")
 
 
-def boom_motor(stem: Path) -> Table:
+@entry("K3.18", "speed and torque of the boom's motor in K3.17")
+def boom_motor() -> Sheet:
     """K 3.18: no gear between boom and motor is assumed."""
     motion = _motion("straight")
     column = motion.rig.input_names.index("boom")
     speed = motion.drive_velocities[:, column] * 30.0 / np.pi
     torque = motion.inputs[:, column]
-    drawn, (above, below) = plots.figure(6.0, 4.6, nrows=2, sharex=True)
+    figure, (above, below) = plots.figure(6.0, 4.6, nrows=2, sharex=True)
     sheets.panel(above, "Speed of the boom", motion.times, [speed], "[rpm]")
     sheets.panel(below, "Torque on the boom", motion.times, [torque], "[N m]", xlabel="time [s]")
-    sheets.save(stem, drawn)
-    sheets.write_csv(stem, {"time": motion.times, "rpm": speed, "torque": torque})
-    shown = table("Boom's motor along the straight line in space", "", "peak")
-    shown.add_row("speed [rpm]", f"{np.abs(speed).max():.4g}")
-    shown.add_row("torque [N m]", f"{np.abs(torque).max():.4g}")
-    shown.add_row("power [W]", f"{np.abs(torque * speed).max() * np.pi / 30.0:.4g}")
-    return shown
+    peaks = (
+        ("speed [rpm]", f"{np.abs(speed).max():.4g}"),
+        ("torque [N m]", f"{np.abs(torque).max():.4g}"),
+        ("power [W]", f"{np.abs(torque * speed).max() * np.pi / 30.0:.4g}"),
+    )
+    summary = table("Boom's motor along the straight line in space", "", "peak", rows=peaks)
+    return Sheet(summary, figure, {"time": motion.times, "rpm": speed, "torque": torque})
 
 
 def _reference(kind: str) -> Reference:
@@ -89,50 +94,47 @@ def _motion(kind: str) -> Motion:
     return solve(kiss_crane.spatial(), _reference(kind), times)
 
 
-def _path(stem: Path, heading: str, kind: str) -> Table:
+def _path(heading: str, kind: str) -> Sheet:
     """The load's path from above and from the side."""
     motion = _motion(kind)
     load = motion.outputs[:, :3]
-    drawn, axes = plots.figure(7.6, 3.6, ncols=2)
-    drawn.suptitle(heading, x=0.012, ha="left", fontsize=11, fontweight="bold")
+    figure, axes = plots.figure(7.6, 3.6, ncols=2)
+    plots.heading(figure, heading)
     sheets.views(axes, [load], [None])
-    sheets.save(stem, drawn)
-    columns = dict(zip("xyz", load.T, strict=True))
-    sheets.write_csv(stem, {"time": motion.times, **columns})
     speed = np.linalg.norm(np.gradient(load, motion.times, axis=0), axis=1)
     boom = motion.positions[:, motion.column("boom.angle")]
-    shown = table(f"{heading}, {DURATIONS[kind]:g} s", "", "")
     length = np.linalg.norm(np.diff(load, axis=0), axis=1).sum()
-    shown.add_row("length of the path [cm]", f"{1e2 * length:.4g}")
-    shown.add_row("largest speed [m/s]", f"{speed.max():.4g}")
-    shown.add_row("boom turns by [deg]", f"{np.degrees(boom[-1] - boom[0]):.4g}")
-    shown.add_row("lowest tension [N]", f"{motion.tensions.min():.4g}")
     off = open_loop(motion.rig, _reference(kind)).distance.max()
-    shown.add_row("open loop in MuJoCo, farthest from it [m]", f"{off:.1e}")
-    return shown
+    rows = (
+        ("length of the path [cm]", f"{1e2 * length:.4g}"),
+        ("largest speed [m/s]", f"{speed.max():.4g}"),
+        ("boom turns by [deg]", f"{np.degrees(boom[-1] - boom[0]):.4g}"),
+        ("lowest tension [N]", f"{motion.tensions.min():.4g}"),
+        ("open loop in MuJoCo, farthest from it [m]", f"{off:.1e}"),
+    )
+    summary = table(f"{heading}, {DURATIONS[kind]:g} s", "", "", rows=rows)
+    return Sheet(summary, figure, {"time": motion.times, **dict(zip("xyz", load.T, strict=True))})
 
 
-def _torques(stem: Path, heading: str, kind: str) -> Table:
+def _torques(heading: str, kind: str) -> Sheet:
     """Torques of tagline, hoist and boom, as in the source, and the extremes of all four."""
     motion = _motion(kind)
-    drawn, axes = plots.figure(6.4, 6.0, nrows=3, sharex=True)
+    figure, axes = plots.figure(6.4, 6.0, nrows=3, sharex=True)
     columns = dict(zip(motion.rig.input_names, motion.inputs.T, strict=True))
     for ax, name in zip(axes, ("tagline", "hoist", "boom"), strict=True):
         scale, unit = _unit(name)
         rows = [scale * columns[name]]
         sheets.panel(ax, f"{MOTORS[name]}, {name}", motion.times, rows, f"[{unit}]")
     axes[-1].set_xlabel("time [s]")
-    sheets.save(stem, drawn)
-    sheets.write_csv(stem, {"time": motion.times, **columns})
-    shown = table(
+    summary = table(
         f"{heading}, {DURATIONS[kind]:g} s: torques", "motor", "start", "end", "lowest", "highest"
     )
     for name, torque in columns.items():
         scale, unit = _unit(name)
         numbers = scale * np.array([torque[0], torque[-1], torque.min(), torque.max()])
         cells = [f"{value + 0.0:.4g}" for value in np.round(numbers, 6)]
-        shown.add_row(f"{MOTORS[name]}, {name} [{unit}]", *cells)
-    return shown
+        summary.add_row(f"{MOTORS[name]}, {name} [{unit}]", *cells)
+    return Sheet(summary, figure, {"time": motion.times, **columns})
 
 
 def _unit(motor: str) -> tuple[float, str]:

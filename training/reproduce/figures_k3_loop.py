@@ -5,10 +5,8 @@ starts: were it there, feedforward alone would do.
 """
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
-from rich.table import Table
 
 from ...feedforward import Motion, Regulator, hold, solve
 from ...models.types import Array
@@ -16,6 +14,7 @@ from .. import plots
 from ..simulate.closed_loop import Course, closed_loop
 from ..tables import table
 from . import kiss_crane, sheets
+from .entry import Sheet, entry
 
 SETTLED = (0.01, 0.005)
 """Largest distances from the goal [m], a twentieth and a fortieth of the way."""
@@ -27,7 +26,8 @@ PLANAR_START = (-0.13, -0.42)
 NAMES = ("fixed set point", "tracking", "reference")
 
 
-def planar(stem: Path) -> Table:
+@entry("K3.20", "PD holds the planar Navy crane")
+def planar() -> Sheet:
     """K 3.20: from one rest to the other, by a step of the set point."""
     regulator = kiss_crane.planar_regulator()
     rest = solve(regulator.rig, hold(PLANAR_START), 0.0)
@@ -37,7 +37,7 @@ def planar(stem: Path) -> Table:
     )  # fmt: skip
     places = course.outputs[:, 0]
     energy = regulator.energy(course.values, course.rates)[:, 0]
-    drawn, axes = plots.figure(8.0, 5.0, nrows=2, ncols=2, sharex=True)
+    figure, axes = plots.figure(8.0, 5.0, nrows=2, ncols=2, sharex=True)
     t = course.times
     for ax, i in zip(axes[0], (0, 1), strict=True):
         sheets.panel(ax, f"Load, {'xz'[i]}", t, [1e2 * places[:, i]], "[cm]")
@@ -47,73 +47,73 @@ def planar(stem: Path) -> Table:
         line.set_label(rope)
     axes[1, 0].legend(loc="center right", frameon=False)
     sheets.panel(axes[1, 1], "Energy W", t, [energy], "[J]", xlabel="time [s]", yscale="log")
-    sheets.save(stem, drawn)
-    columns = {"time": t, "x": places[:, 0], "z": places[:, 1], "W": energy}
-    sheets.write_csv(stem, columns)
     away = np.linalg.norm(places - kiss_crane.PLANAR_TARGET, axis=1)
-    shown = table("Planar Navy crane under PD, gains of K 3.4.2", "", "")
-    shown.add_row("distance at first [cm]", f"{1e2 * away[0]:.4g}")
-    shown.add_row("within 1 cm from [s]", f"{_settled(t, away, SETTLED[0]):.3g}")
-    shown.add_row(f"distance after {t[-1]:g} s [m]", f"{away[-1]:.1e}")
-    shown.add_row("largest rise of W / W0", f"{np.diff(energy).max() / energy[0]:.1e}")
-    shown.add_row("lowest tension [N]", f"{course.tensions.min():.3g}")
-    return shown
+    rows = (
+        ("distance at first [cm]", f"{1e2 * away[0]:.4g}"),
+        ("within 1 cm from [s]", f"{_settled(t, away, SETTLED[0]):.3g}"),
+        (f"distance after {t[-1]:g} s [m]", f"{away[-1]:.1e}"),
+        ("largest rise of W / W0", f"{np.diff(energy).max() / energy[0]:.1e}"),
+        ("lowest tension [N]", f"{course.tensions.min():.3g}"),
+    )
+    summary = table("Planar Navy crane under PD, gains of K 3.4.2", "", "", rows=rows)
+    return Sheet(summary, figure, {"time": t, "x": places[:, 0], "z": places[:, 1], "W": energy})
 
 
-def load(stem: Path) -> Table:
+@entry("K3.21", "tracking and fixed set point: the load")
+def load() -> Sheet:
     """K 3.21: the load in the horizontal and the vertical plane."""
     reference, *courses = study()
     goal = np.array(kiss_crane.GOAL)
     paths = [course.outputs[:, 0, :3] for course in courses]
     wanted = reference.outputs[:, :3]
-    drawn, axes = plots.figure(8.4, 4.2, ncols=2)
+    figure, axes = plots.figure(8.4, 4.2, ncols=2)
     sheets.views(axes, [*paths, wanted], NAMES)
     axes[0].legend(loc="lower left", frameon=False)
-    sheets.save(stem, drawn)
     columns = {"time": reference.times}
     for name, path in zip(NAMES, (*paths, wanted), strict=True):
         columns |= {f"{name} {axis}": path[:, i] for i, axis in enumerate("xyz")}
-    sheets.write_csv(stem, columns)
-    shown = table("Tracking study, K 3.5", "", *NAMES[:2])
     times = reference.times
     away = [np.linalg.norm(path - goal, axis=1) for path in paths]
-    settled, closer = ([_settled(times, each, near) for each in away] for near in SETTLED)
+    settled, closer = ([_settled(times, distance, near) for distance in away] for near in SETTLED)
     way = (goal - kiss_crane.START) / np.linalg.norm(goal - kiss_crane.START)
     swings = [
         0.5 * np.count_nonzero(np.diff(np.sign((path - goal) @ way)[times < end]))
         for path, end in zip(paths, settled, strict=True)
     ]
     off = [np.linalg.norm(path - wanted, axis=1).max() for path in paths]
-    at_end = [1e2 * each[np.searchsorted(times, kiss_crane.TRAVEL)] for each in away]
+    at_end = [1e2 * distance[np.searchsorted(times, kiss_crane.TRAVEL)] for distance in away]
     lowest = [course.tensions.min() for course in courses]
-    for label, numbers in (
+    rows = (
         ("within 1 cm of the goal from [s]", settled),
         ("swings past the goal until then", swings),
         ("within 0.5 cm from [s]", closer),
-        ("farthest from the reference [cm]", [1e2 * each for each in off]),
+        ("farthest from the reference [cm]", [1e2 * distance for distance in off]),
         (f"from the goal after {kiss_crane.TRAVEL:g} s [cm]", at_end),
         ("lowest tension [N]", lowest),
-    ):
-        shown.add_row(label, *(f"{number:.3g}" for number in numbers))
-    return shown
+    )
+    cells = ((label, *(f"{number:.3g}" for number in numbers)) for label, numbers in rows)
+    return Sheet(table("Tracking study, K 3.5", "", *NAMES[:2], rows=cells), figure, columns)
 
 
-def ropes(stem: Path) -> Table:
+@entry("K3.22", "tracking and fixed set point: the ropes")
+def ropes() -> Sheet:
     """K 3.22."""
     names = [rope.coordinate for rope in kiss_crane.spatial().ropes]
-    return _over_time(stem, "Rope lengths", "[cm]", names, 1e2)
+    return _over_time("Rope lengths", "[cm]", names, 1e2)
 
 
-def angles(stem: Path) -> Table:
+@entry("K3.23", "tracking and fixed set point: the angles")
+def angles() -> Sheet:
     """K 3.23: of the boom, and of the lower hoist rope in and across the boom's plane."""
     return _over_time(
-        stem, "Angles", "[deg]", ["boom.angle", "sway outwards", "sway sideways"], 180.0 / np.pi
+        "Angles", "[deg]", ["boom.angle", "sway outwards", "sway sideways"], 180.0 / np.pi
     )
 
 
-def torques(stem: Path) -> Table:
+@entry("K3.24", "tracking and fixed set point: the torques")
+def torques() -> Sheet:
     """K 3.24."""
-    return _over_time(stem, "Torques", "[N m]", [*kiss_crane.spatial().input_names], 1.0)
+    return _over_time("Torques", "[N m]", [*kiss_crane.spatial().input_names], 1.0)
 
 
 @cache
@@ -145,23 +145,21 @@ def _settled(times: Array, away: Array, near: float) -> float:
     return float(times[min(outside[-1] + 1, len(times) - 1)]) if len(outside) else 0.0
 
 
-def _over_time(stem: Path, heading: str, unit: str, names: list[str], scale: float) -> Table:
+def _over_time(heading: str, unit: str, names: list[str], scale: float) -> Sheet:
     """One panel for each quantity, with the three lines of the tracking study."""
     sources = study()
-    drawn, axes = plots.figure(7.0, 1.6 * len(names) + 0.8, nrows=len(names), sharex=True)
-    shown = table(f"Tracking study, K 3.5: {heading} {unit}, lowest to highest", "", *NAMES)
+    figure, axes = plots.figure(7.0, 1.6 * len(names) + 0.8, nrows=len(names), sharex=True)
+    summary = table(f"Tracking study, K 3.5: {heading} {unit}, lowest to highest", "", *NAMES)
     columns = {"time": sources[0].times}
     for ax, name in zip(axes, names, strict=True):
         wanted, fixed, tracking = (scale * _quantity(source, name) for source in sources)
         rows = [fixed, tracking, wanted]
         sheets.panel(ax, name, columns["time"], rows, unit, names=NAMES)
-        shown.add_row(name, *(f"{row.min():.3g} to {row.max():.3g}" for row in rows))
+        summary.add_row(name, *(f"{row.min():.3g} to {row.max():.3g}" for row in rows))
         columns |= {f"{label} {name}": row for label, row in zip(NAMES, rows, strict=True)}
     axes[0].legend(loc="lower right", ncols=3, frameon=False)
     axes[-1].set_xlabel("time [s]")
-    sheets.save(stem, drawn)
-    sheets.write_csv(stem, columns)
-    return shown
+    return Sheet(summary, figure, columns)
 
 
 def _quantity(source: Motion | Course, name: str) -> Array:
@@ -172,7 +170,7 @@ def _quantity(source: Motion | Course, name: str) -> Array:
         values = {n: source.positions[:, source.column(n)] for n in rig.coordinate_names}
     else:
         inputs = source.inputs[:, 0]
-        values = {n: each[:, 0] for n, each in source.values.items()}
+        values = {n: value[:, 0] for n, value in source.values.items()}
     if name in values:
         return values[name]
     if name.startswith("sway"):

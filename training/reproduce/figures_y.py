@@ -5,7 +5,7 @@ Navy crane in space with a heavy pulley), derivatives at its joins are one-sided
 """
 
 import time
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,23 +19,25 @@ from ...models.types import Array
 from .. import console, plots
 from ..tables import table
 from . import sheets, snapshots
-from .y_sheets import Case, Lines, Run, Snapshots
-from .y_sheets import sheets as all_sheets
+from .entry import Sheet, entry
+from .figures_y_data import FIGURES, Case, Lines, Run, Snapshots
 
 SAMPLES = 2000
 """Of the exact solution, at least."""
 FLAT = 1e-6
 """A quantity that spans less is drawn as a constant."""
-EXACT = {"color": "#202020", "linestyle": (0, (1, 1.5)), "linewidth": 1.3, "zorder": 5}
 
 
-def draw(stem: Path) -> Table:
-    """The figure that `stem` is named after."""
-    sheet = all_sheets()[stem.name]
-    if isinstance(sheet, Snapshots):
-        times = np.linspace(0.0, sheet.case.path.duration, snapshots.SAMPLES)
-        return snapshots.draw(stem, sheet, exact(sheet.case, times))
-    return _lines(stem, sheet)
+def draw(name: str, content: Lines | Snapshots) -> Sheet:
+    """The figure of that name."""
+    if isinstance(content, Snapshots):
+        times = np.linspace(0.0, content.case.path.duration, snapshots.SAMPLES)
+        return snapshots.draw(content, exact(content.case, times))
+    return _lines(name, content)
+
+
+for _name, _content in FIGURES.items():
+    entry(_name, _content.title)(partial(draw, _name, _content))
 
 
 def exact(case: Case, times: Array) -> Motion:
@@ -47,21 +49,21 @@ def exact(case: Case, times: Array) -> Motion:
     return solve(case.rig, reference, times)
 
 
-def _lines(stem: Path, sheet: Lines) -> Table:
+def _lines(figure_name: str, sheet: Lines) -> Sheet:
     """Curves over time, and how far the numerical ones are from the exact one."""
     truth = exact(sheet.case, np.linspace(0.0, sheet.case.path.duration, SAMPLES + 1))
     columns = 2 if len(sheet.panels) > 1 else 1
     rows = -(-len(sheet.panels) // columns)
-    drawn, axes = plots.figure(
+    figure, axes = plots.figure(
         4.6 * columns, 1.9 * rows + 0.6, nrows=rows, ncols=columns, sharex=True, squeeze=False
     )
-    shown = table(
-        f"{stem.name}: {sheet.title}", "run", "step [s]", "coordinates [m, rad]",
+    summary = table(
+        f"{figure_name}: {sheet.title}", "run", "step [s]", "coordinates [m, rad]",
         "inputs [N, N m]", "over the largest", "steps", "time [s]",
     )  # fmt: skip
     data = {"time": truth.times} | {name: _quantity(truth, name) for name in sheet.panels}
     for number, run in enumerate(sheet.runs):
-        motion = _run(shown, sheet.case, run)
+        motion = _run(summary, sheet.case, run)
         style = {"color": plots.COLOURS[(4, 3, 5)[number % 3]], "linewidth": 1.5}
         for ax, name in zip(axes.flat, sheet.panels, strict=False):
             ax.plot(motion.times, _quantity(motion, name), label=run.label, **style)
@@ -69,16 +71,14 @@ def _lines(stem: Path, sheet: Lines) -> Table:
                 truth.times, motion.times, _quantity(motion, name)
             )
     for ax, name in zip(axes.flat, sheet.panels, strict=False):
-        ax.plot(truth.times, data[name], label="exact", **EXACT)
+        ax.plot(truth.times, data[name], label="exact", **sheets.EXACT)
         plots.title(ax, name)
         ax.set_ylabel(_unit(truth, name))
-    _finish(drawn, axes, len(sheet.panels))
-    sheets.save(stem, drawn)
-    sheets.write_csv(stem, data)
-    return shown
+    _finish(figure, axes, len(sheet.panels))
+    return Sheet(summary, figure, data)
 
 
-def _finish(drawn: Any, axes: Any, used: int) -> None:
+def _finish(figure: Any, axes: Any, used: int) -> None:
     """Legend, labels, and room around lines that do not move but for rounding."""
     axes.flat[0].legend(fontsize=8)
     for ax in axes.flat[:used]:
@@ -91,31 +91,30 @@ def _finish(drawn: Any, axes: Any, used: int) -> None:
     for ax in axes.flat[max(0, used - axes.shape[1]) : used]:
         ax.tick_params(labelbottom=True)
         ax.set_xlabel("time [s]")
-    drawn.align_ylabels()
+    figure.align_ylabels()
 
 
-def _run(shown: Table, case: Case, run: Run) -> Motion:
+def _run(summary: Table, case: Case, run: Run) -> Motion:
     """Integrate, and add a row to the table: largest errors at the steps."""
     reference = from_move(case.path)
     begin = time.perf_counter()
-    found = integrate(case.rig, reference, step=run.step, formulation=run.formulation)
+    integration = integrate(case.rig, reference, step=run.step, formulation=run.formulation)
     seconds = time.perf_counter() - begin
-    motion = found.motion
+    motion = integration.motion
     truth = exact(case, motion.times)
     columns = [(motion.column(name), truth.column(name)) for name in case.rig.coordinate_names]
     places = max(
-        float(np.abs(motion.positions[:, one] - truth.positions[:, other]).max())
-        for one, other in columns
+        float(np.abs(motion.positions[:, i] - truth.positions[:, j]).max()) for i, j in columns
     )
     inputs = np.abs(motion.inputs - truth.inputs).max(axis=0)
     largest = np.abs(truth.inputs).max(axis=0)
     share = np.divide(inputs, largest, out=np.zeros_like(inputs), where=largest > 1e-9).max()
-    shown.add_row(
+    summary.add_row(
         run.formulation, f"{run.step:g}", f"{places:.1e}", f"{inputs.max():.3g}",
-        f"{share:.1%}", str(found.counters.steps), f"{seconds:.2f}",
+        f"{share:.1%}", str(integration.counters.steps), f"{seconds:.2f}",
     )  # fmt: skip
-    if found.failure is not None:
-        shown.add_row(console.warning(str(found.failure)))
+    if integration.failure is not None:
+        summary.add_row(console.warning(str(integration.failure)))
     return motion
 
 
@@ -139,20 +138,19 @@ def _unit(motion: Motion, name: str) -> str:
     return "[rad]" if name.endswith((".angle", ".alpha", ".beta", ".gamma")) else "[m]"
 
 
-def reference_function(stem: Path) -> Table:
+@entry("Y4.6", "the three-phase profile")
+def reference_function() -> Sheet:
     """Y 4.6: the three-phase profile and its derivatives, with the coefficients that join."""
     duration, blend = 20.0, 5.0
     times = np.linspace(0.0, duration, SAMPLES + 1)
     values = ThreePhase(blend / duration, 4).derivatives(times / duration, 4)
     values = values / (duration ** np.arange(5.0))[:, None]
     names = [f"c{order * chr(39)}(t)" for order in range(5)]
-    drawn, axes = plots.figure(6.0, 7.0, nrows=5, sharex=True)
-    shown = table("Y4.6: the three-phase profile", "", "lowest", "highest")
+    figure, axes = plots.figure(6.0, 7.0, nrows=5, sharex=True)
+    summary = table("Y4.6: the three-phase profile", "", "lowest", "highest")
     for order, (ax, name, row) in enumerate(zip(axes, names, values, strict=True)):
         unit = "" if order == 0 else f"[1/s^{order}]"
         sheets.panel(ax, name, times, [row], unit)
-        shown.add_row(f"{name} {unit}", f"{row.min():.4g}", f"{row.max():.4g}")
+        summary.add_row(f"{name} {unit}", f"{row.min():.4g}", f"{row.max():.4g}")
     axes[-1].set_xlabel("time [s]")
-    sheets.save(stem, drawn)
-    sheets.write_csv(stem, {"time": times, **dict(zip(names, values, strict=True))})
-    return shown
+    return Sheet(summary, figure, {"time": times, **dict(zip(names, values, strict=True))})

@@ -6,11 +6,9 @@ the two figures show different motions; from one place both formulations find th
 """
 
 from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from rich.table import Table
 
 from ...feedforward.integrators import EnergyMomentum, integrate
 from ...feedforward.multibody import assemble, rotary_crane
@@ -19,6 +17,7 @@ from ...models.types import Array
 from .. import plots
 from ..tables import table
 from . import crane_by_angles, sheets
+from .entry import Sheet, entry
 from .snapshots import FAINT, ROPE, STRUCTURE
 
 ANGLES_PLACE, ANGLES_STEP = 1.5, 1e-4
@@ -89,30 +88,34 @@ def by_directors(place: float = DIRECTORS_PLACE, step: float = DIRECTORS_STEP) -
     )
 
 
-def angles_balance(stem: Path) -> Table:
+@entry("Y2.7", "rotary crane let go, by angles: energy")
+def angles_balance() -> Sheet:
     """Y 2.7: energy and angular momentum at steps of 1e-4 s."""
-    return _balance(stem, by_angles(), "generalised coordinates, midpoint rule", ANGLES_STEP)
+    return _balance("Y2.7", by_angles(), "generalised coordinates, midpoint rule", ANGLES_STEP)
 
 
-def directors_balance(stem: Path) -> Table:
+@entry("Y2.10", "rotary crane let go, by directors: energy")
+def directors_balance() -> Sheet:
     """Y 2.10: energy and angular momentum at steps of 1e-2 s."""
-    return _balance(stem, by_directors(), "rotationless, energy-momentum", DIRECTORS_STEP)
+    return _balance("Y2.10", by_directors(), "rotationless, energy-momentum", DIRECTORS_STEP)
 
 
-def angles_snapshots(stem: Path) -> Table:
+@entry("Y2.8", "rotary crane let go, by angles: snapshots")
+def angles_snapshots() -> Sheet:
     """Y 2.8."""
-    return _snapshots(stem, by_angles(), "Rotary crane let go, trolley at 1.5 m")
+    return _snapshots("Y2.8", by_angles(), "Rotary crane let go, trolley at 1.5 m")
 
 
-def directors_snapshots(stem: Path) -> Table:
+@entry("Y2.11", "rotary crane let go, directors: snapshots")
+def directors_snapshots() -> Sheet:
     """Y 2.11."""
-    return _snapshots(stem, by_directors(), "Rotary crane let go, trolley at 2.5 m")
+    return _snapshots("Y2.11", by_directors(), "Rotary crane let go, trolley at 2.5 m")
 
 
-def _balance(stem: Path, let: Let, what: str, step: float) -> Table:
+def _balance(name: str, let: Let, what: str, step: float) -> Sheet:
     """Energy and angular momentum above, what is lost of them below."""
-    drawn, axes = plots.figure(9.2, 4.8, nrows=2, ncols=2, sharex=True)
-    shown = table(f"{stem.name}: {what}, steps of {step:g} s", "", "start", "change")
+    figure, axes = plots.figure(9.2, 4.8, nrows=2, ncols=2, sharex=True)
+    summary = table(f"{name}: {what}, steps of {step:g} s", "", "start", "change")
     for column, (heading, unit, values) in enumerate(
         (("Energy", "J", let.energy), ("Angular momentum", "kg m²/s", let.momentum))
     ):
@@ -123,20 +126,18 @@ def _balance(stem: Path, let: Let, what: str, step: float) -> Table:
         sheets.panel(lower, "Change since the start", let.times, [values - values[0]], f"[{unit}]")
         lower.set_xlabel("time [s]")
         change = float(np.abs(values - values[0]).max())
-        shown.add_row(f"{heading} [{unit}]", f"{values[0]:.2f}", f"{change:.1e}")
+        summary.add_row(f"{heading} [{unit}]", f"{values[0]:.2f}", f"{change:.1e}")
     heading = f"Rotary crane let go: {what}, steps of {step:g} s"
-    drawn.suptitle(heading, x=0.012, ha="left", fontsize=11, fontweight="bold")
-    sheets.save(stem, drawn)
+    plots.heading(figure, heading)
     columns = {"time": let.times, "energy": let.energy, "angular momentum": let.momentum}
-    sheets.write_csv(stem, columns)
-    return shown
+    return Sheet(summary, figure, columns)
 
 
-def _snapshots(stem: Path, let: Let, heading: str) -> Table:
+def _snapshots(name: str, let: Let, heading: str) -> Sheet:
     """The crane at instants, from above and along the x axis."""
     chosen = [int(np.abs(let.times - instant).argmin()) for instant in INSTANTS]
-    drawn, (above, side) = plots.figure(9.6, 6.4, ncols=2, width_ratios=(1.2, 1.0))
-    shown = table(f"{stem.name}: where the load is [m]", "time [s]", "x", "y", "z")
+    figure, (above, side) = plots.figure(9.6, 6.4, ncols=2, width_ratios=(1.2, 1.0))
+    summary = table(f"{name}: where the load is [m]", "time [s]", "x", "y", "z")
     for i, opacity in zip(chosen, np.linspace(FAINT, 1.0, len(chosen)), strict=True):
         for ax, pair in ((above, [0, 1]), (side, [1, 2])):
             _picture(ax, let, i, pair, opacity)
@@ -144,7 +145,7 @@ def _snapshots(stem: Path, let: Let, heading: str) -> Table:
             f"{let.times[i]:.1f} s", let.load[i, 1:], (-7, -12), fontsize=8, ha="right",
             textcoords="offset points", color="#404040",
         )  # fmt: skip
-        shown.add_row(f"{let.times[i]:.1f}", *(f"{value:.3f}" for value in let.load[i]))
+        summary.add_row(f"{let.times[i]:.1f}", *(f"{value:.3f}" for value in let.load[i]))
     for ax, pair, title in ((above, [0, 1], "From above"), (side, [1, 2], "Along the x axis")):
         ax.plot(
             *let.load[:, pair].T, color=plots.COLOURS[4], linewidth=1.2, linestyle=(0, (1, 1.5))
@@ -152,9 +153,8 @@ def _snapshots(stem: Path, let: Let, heading: str) -> Table:
         plots.title(ax, title)
         ax.set(xlabel=f"{'xyz'[pair[0]]} [m]", ylabel=f"{'xyz'[pair[1]]} [m]")
         ax.set_aspect("equal", adjustable="datalim")
-    drawn.suptitle(heading, x=0.012, ha="left", fontsize=11, fontweight="bold")
-    sheets.save(stem, drawn)
-    return shown
+    plots.heading(figure, heading)
+    return Sheet(summary, figure)
 
 
 def _picture(ax: Any, let: Let, i: int, pair: list[int], opacity: float) -> None:

@@ -6,11 +6,9 @@ radius is 0.8.
 """
 
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
 from ...feedforward.integrators import (
     EnergyMomentum,
@@ -25,8 +23,8 @@ from ...models.squeezer import mechanism as data
 from ...models.types import Array
 from .. import plots
 from ..tables import table
-from . import sheets
-from .figures_y import EXACT
+from .entry import Sheet, entry
+from .sheets import EXACT
 from .snapshots import STRUCTURE
 
 COARSE, FINE = 3e-4, 3e-5
@@ -47,38 +45,44 @@ COIL = 9
 """Corners of the spring as it is drawn."""
 
 
-def hinge(stem: Path) -> Table:
+@entry("Y3.2", "squeezing mechanism: hinge P")
+def hinge() -> Sheet:
     """Y 3.2: both coordinates of hinge P over time."""
     run, exact = _run("energy-momentum", FINE), _exact()
     values, truth = 1e3 * hinge_of_squeezer(run.q), 1e3 * hinge_of_squeezer(exact.q)
-    return _motion(stem, "hinge P", ("x", "y"), "mm", run, values, exact, truth)
+    return _motion("Y3.2", "hinge P", ("x", "y"), "mm", run, values, exact, truth)
 
 
-def crank(stem: Path) -> Table:
+@entry("Y3.3", "squeezing mechanism: angle of the crank")
+def crank() -> Sheet:
     """Y 3.3: the crank's angle over time."""
     run, exact = _run("energy-momentum", FINE), _exact()
-    values, truth = (angles_of_squeezer(each.q)[:, :1] for each in (run, exact))
-    return _motion(stem, "angle of the crank", ("beta",), "rad", run, values, exact, truth)
+    values, truth = (angles_of_squeezer(motion.q)[:, :1] for motion in (run, exact))
+    return _motion("Y3.3", "angle of the crank", ("beta",), "rad", run, values, exact, truth)
 
 
-def balance_coarse(stem: Path) -> Table:
+@entry("Y3.4", "squeezing mechanism: energy, 3e-4 s")
+def balance_coarse() -> Sheet:
     """Y 3.4: the balance of energy at steps of 3e-4 s."""
-    return _balance(stem, COARSE, closely=False)
+    return _balance("Y3.4", COARSE, closely=False)
 
 
-def balance_coarse_closely(stem: Path) -> Table:
+@entry("Y3.5", "energy, 3e-4 s, in detail")
+def balance_coarse_closely() -> Sheet:
     """Y 3.5: the same in detail."""
-    return _balance(stem, COARSE, closely=True)
+    return _balance("Y3.5", COARSE, closely=True)
 
 
-def balance_fine(stem: Path) -> Table:
+@entry("Y3.6", "squeezing mechanism: energy, 3e-5 s")
+def balance_fine() -> Sheet:
     """Y 3.6: the balance of energy at steps of 3e-5 s."""
-    return _balance(stem, FINE, closely=False)
+    return _balance("Y3.6", FINE, closely=False)
 
 
-def balance_fine_closely(stem: Path) -> Table:
+@entry("Y3.7", "energy, 3e-5 s, in detail")
+def balance_fine_closely() -> Sheet:
     """Y 3.7: the same in detail."""
-    return _balance(stem, FINE, closely=True)
+    return _balance("Y3.7", FINE, closely=True)
 
 
 def balances(run: Run) -> Array:
@@ -89,24 +93,24 @@ def balances(run: Run) -> Array:
     return np.asarray(energy - energy[0])
 
 
-def snapshots(stem: Path) -> Table:
+@entry("Y3.8", "squeezing mechanism: snapshots")
+def snapshots() -> Sheet:
     """Y 3.8: the mechanism at 0, 3, 6, 9, 12 and 15 ms."""
     run = _run("energy-momentum", FINE)
     angles, places = angles_of_squeezer(run.q), hinge_of_squeezer(run.q)
     chosen = [int(np.abs(run.times - instant).argmin()) for instant in INSTANTS]
-    drawn, axes = plots.figure(9.6, 6.6, nrows=2, ncols=3, sharex=True, sharey=True)
-    shown = table("Y3.8: crank and hinge P", "time [ms]", "beta [rad]", "x [mm]", "y [mm]")
+    figure, axes = plots.figure(9.6, 6.6, nrows=2, ncols=3, sharex=True, sharey=True)
+    summary = table("Y3.8: crank and hinge P", "time [ms]", "beta [rad]", "x [mm]", "y [mm]")
     for ax, i in zip(axes.flat, chosen, strict=True):
         _picture(ax, tuple(map(float, angles[i])))
         plots.title(ax, f"{1e3 * run.times[i]:.0f} ms")
         place = (f"{1e3 * value:.3f}" for value in places[i])
-        shown.add_row(f"{1e3 * run.times[i]:.0f}", f"{angles[i, 0]:.4f}", *place)
+        summary.add_row(f"{1e3 * run.times[i]:.0f}", f"{angles[i, 0]:.4f}", *place)
     for ax in axes[1]:
         ax.set_xlabel("x [mm]")
     for ax in axes[:, 0]:
         ax.set_ylabel("y [mm]")
-    sheets.save(stem, drawn)
-    return shown
+    return Sheet(summary, figure)
 
 
 @cache
@@ -120,7 +124,7 @@ def _exact() -> Run:
 
 
 def _motion(
-    stem: Path,
+    name: str,
     what: str,
     names: tuple[str, ...],
     unit: str,
@@ -128,18 +132,18 @@ def _motion(
     values: Array,
     exact: Run,
     truth: Array,
-) -> Table:
+) -> Sheet:
     """Columns of `values` over time beside those of the explicit run."""
-    heading = f"{stem.name}: {what}, energy-momentum, steps of {FINE:g} s"
-    shown = table(heading, "", "lowest", "highest", "largest error", "at the end")
-    drawn, ax = plots.figure(6.4, 3.8)
+    heading = f"{name}: {what}, energy-momentum, steps of {FINE:g} s"
+    summary = table(heading, "", "lowest", "highest", "largest error", "at the end")
+    figure, ax = plots.figure(6.4, 3.8)
     every = (len(run.times) - 1) // (len(exact.times) - 1)
     errors = np.abs(values[::every] - truth)
-    for i, name in enumerate(names):
+    for i, quantity in enumerate(names):
         colour = plots.COLOURS[(3, 4)[i]]
-        ax.plot(1e3 * run.times, values[:, i], color=colour, linewidth=1.8, label=name)
-        shown.add_row(
-            f"{name} [{unit}]", f"{values[:, i].min():.4f}", f"{values[:, i].max():.4f}",
+        ax.plot(1e3 * run.times, values[:, i], color=colour, linewidth=1.8, label=quantity)
+        summary.add_row(
+            f"{quantity} [{unit}]", f"{values[:, i].min():.4f}", f"{values[:, i].max():.4f}",
             f"{errors[:, i].max():.1e}", f"{errors[-1, i]:.1e}",
         )  # fmt: skip
     for row, label in zip(truth.T, ("exact", None), strict=False):
@@ -147,35 +151,31 @@ def _motion(
     ax.legend(fontsize=8)
     plots.title(ax, f"Squeezing mechanism: {what}")
     ax.set(xlabel="time [ms]", ylabel=f"[{unit}]")
-    sheets.save(stem, drawn)
     columns = {f"{name} [{unit}]": values[:, i] for i, name in enumerate(names)}
-    sheets.write_csv(stem, {"time": run.times, **columns})
-    return shown
+    return Sheet(summary, figure, {"time": run.times, **columns})
 
 
-def _balance(stem: Path, step: float, *, closely: bool) -> Table:
+def _balance(name: str, step: float, *, closely: bool) -> Sheet:
     """The balance of energy of three schemes, in J, or its size on a scale of powers of ten."""
-    shown = table(
-        f"{stem.name}: balance of energy [J], steps of {step:g} s", "", "largest", "at the end"
+    summary = table(
+        f"{name}: balance of energy [J], steps of {step:g} s", "", "largest", "at the end"
     )
-    drawn, ax = plots.figure(6.8, 3.8)
+    figure, ax = plots.figure(6.8, 3.8)
     columns: dict[str, Array] = {}
-    for name, (_, colour) in SCHEMES.items():
-        run = _run(name, step)
-        left = balances(run)
-        columns |= {"time": run.times, name: left}
-        values = np.maximum(np.abs(left), LEAST)[1:] if closely else left[1:]
-        ax.plot(1e3 * run.times[1:], values, color=colour, linewidth=1.5, label=name)
-        shown.add_row(name, f"{np.abs(left).max():.1e}", f"{left[-1]:.1e}")
+    for scheme, (_, colour) in SCHEMES.items():
+        run = _run(scheme, step)
+        balance = balances(run)
+        columns |= {"time": run.times, scheme: balance}
+        values = np.maximum(np.abs(balance), LEAST)[1:] if closely else balance[1:]
+        ax.plot(1e3 * run.times[1:], values, color=colour, linewidth=1.5, label=scheme)
+        summary.add_row(scheme, f"{np.abs(balance).max():.1e}", f"{balance[-1]:.1e}")
     if closely:
         ax.set_yscale("log")
     ax.legend(fontsize=8, loc="center right" if closely else "lower left")
     what = "size of the energy's imbalance" if closely else "energy less the motor's work"
     plots.title(ax, f"Squeezing mechanism, steps of {step:g} s: {what}")
     ax.set(xlabel="time [ms]", ylabel="[J]")
-    sheets.save(stem, drawn)
-    sheets.write_csv(stem, columns)
-    return shown
+    return Sheet(summary, figure, columns)
 
 
 def _picture(ax: Any, angles: tuple[float, ...]) -> None:

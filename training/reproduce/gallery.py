@@ -9,7 +9,6 @@ import io
 import tempfile
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.progress import track
@@ -17,14 +16,12 @@ from rich.table import Table
 
 from ...models.files import replacing, write_text
 from ..console import console
-
-if TYPE_CHECKING:
-    from .index import Entry
+from .entry import Entry
 
 WIDTH, COLOURS = 720, 64
-"""Of the pictures: pixels, and colours of their palette."""
+"""Width of the pictures [pixels], and number of colours of their palette."""
 COLUMNS = 110
-"""Of the tables."""
+"""Width of the tables in characters."""
 
 INTRODUCTION = """# The sources' figures, computed anew
 
@@ -76,8 +73,8 @@ NOTES = {
 """What differs from print and why, for figures by name."""
 
 
-def write(path: Path, entries: Iterable[tuple[str, "Entry"]]) -> None:
-    """Run entries, and write the page and its pictures.
+def write_page(path: Path, chosen: Iterable[Entry]) -> None:
+    """Make entries, and write the page and its pictures.
 
     Raises
     ------
@@ -85,34 +82,32 @@ def write(path: Path, entries: Iterable[tuple[str, "Entry"]]) -> None:
         A file cannot be written.
     """
     parts = [INTRODUCTION]
-    chosen = list(entries)
-    with tempfile.TemporaryDirectory() as temporary:
-        for name, entry in track(chosen, "Computing", transient=True, console=console()):
-            stem = Path(temporary) / name
-            shown = entry.run(stem)
-            parts.append(f"## {name}: {entry.title}\n")
-            parts += [f"{note}\n" for names, note in NOTES.items() if name in names]
-            drawn = stem.with_name(f"{name}.png")
-            if drawn.exists():
-                small = path.with_suffix("") / f"{name}.png"
-                _shrink(drawn, small)
-                parts.append(f"![{name}: {entry.title}]({small.parent.name}/{small.name})\n")
-            parts.append(f"```text\n{_text(shown)}\n```\n")
+    with tempfile.TemporaryDirectory() as folder:
+        for entry in track([*chosen], "Computing", transient=True, console=console()):
+            summary, files = entry.run(Path(folder))
+            heading = f"{entry.name}: {entry.title}"
+            parts.append(f"## {heading}\n")
+            parts += [f"{note}\n" for names, note in NOTES.items() if entry.name in names]
+            for picture in (file for file in files if file.suffix == ".png"):
+                small = path.with_suffix("") / picture.name
+                _shrink(picture, small)
+                parts.append(f"![{heading}]({small.parent.name}/{small.name})\n")
+            parts.append(f"```text\n{_text(summary)}\n```\n")
     write_text(path, "\n".join(parts))
 
 
-def _shrink(drawn: Path, small: Path) -> None:
+def _shrink(large: Path, small: Path) -> None:
     from PIL import Image
 
-    with Image.open(drawn) as picture, replacing(small) as beside:
+    with Image.open(large) as picture, replacing(small) as beside:
         height = round(picture.height * WIDTH / picture.width)
         plain = picture.convert("RGB").resize((WIDTH, height), Image.Resampling.LANCZOS)
-        few = plain.quantize(COLOURS, Image.Quantize.FASTOCTREE)  # others merge blue and green
-        few.save(beside, "PNG", optimize=True)
+        reduced = plain.quantize(COLOURS, Image.Quantize.FASTOCTREE)  # others merge blue and green
+        reduced.save(beside, "PNG", optimize=True)
 
 
-def _text(shown: Table) -> str:
+def _text(summary: Table) -> str:
     paper = Console(file=io.StringIO(), width=COLUMNS, highlight=False, markup=False)
-    paper.print(shown)
+    paper.print(summary)
     lines = paper.file.getvalue().splitlines()  # type: ignore[attr-defined]
     return "\n".join(line.rstrip() for line in lines if line.strip())

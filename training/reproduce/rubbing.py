@@ -16,12 +16,10 @@ are not printed; these make the friction of either winch a tenth or two of the t
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
-from rich.table import Table
 
 from ...feedforward import Regulator, hold, solve
 from ...models import Rope
@@ -31,6 +29,7 @@ from .. import plots
 from ..simulate.closed_loop import closed_loop
 from ..tables import table
 from . import kiss_crane, sheets
+from .entry import Sheet, entry
 
 FRICTION = Friction(coulomb=0.08, viscous=0.5, static=0.12, stribeck_velocity=0.01)
 START, DURATION, TIMESTEP, EVERY = (-0.13, -0.42), 30.0, 5e-4, 20
@@ -71,7 +70,8 @@ class Winches:
         batch.bind("ctrl")[:, winding] += radii * force
 
 
-def figure(stem: Path) -> Table:
+@entry("friction", "winch friction and its compensation, K remarks 31, 32")
+def friction() -> Sheet:
     """The planar crane under PD, from rest to rest, with and without friction."""
     regulator = kiss_crane.planar_regulator()
     cases: Sequence[tuple[str, Winches | None]] = (
@@ -82,8 +82,8 @@ def figure(stem: Path) -> Table:
     )
     rest = solve(regulator.rig, hold(START), 0.0)
     start = {name: rest.positions[:1, rest.column(name)] for name in regulator.rest_values}
-    drawn, axes = plots.figure(7.0, 6.4, nrows=len(cases), sharex=True, sharey=True)
-    shown = table(
+    figure, axes = plots.figure(7.0, 6.4, nrows=len(cases), sharex=True, sharey=True)
+    summary = table(
         f"Winch friction (K remarks 31, 32): the load in the last {END:g} s of {DURATION:g} s",
         "", "mean offset [mm]", "largest offset [mm]", "swings by [mm]",
     )  # fmt: skip
@@ -99,15 +99,13 @@ def figure(stem: Path) -> Table:
             ax.plot(course.times, error[:, i], label="xz"[i], **style)
         plots.title(ax, name)
         ax.set(ylabel="[mm]", ylim=(-25.0, 25.0))
-        shown.add_row(name, *_told(error[course.times >= DURATION - END]))
+        summary.add_row(name, *_offsets(error[course.times >= DURATION - END]))
     axes[0].legend(loc="upper right", ncols=2, frameon=False)
     axes[-1].set_xlabel("time [s]")
-    sheets.save(stem, drawn)
-    sheets.write_csv(stem, columns)
-    return shown
+    return Sheet(summary, figure, columns)
 
 
-def _told(error: Array) -> tuple[str, str, str]:
+def _offsets(error: Array) -> tuple[str, str, str]:
     """Offset and swing of errors (S, 2)."""
     middle = error.mean(axis=0)
     swing = np.linalg.norm(error - middle, axis=1).max()

@@ -1,13 +1,10 @@
-"""What the reproduced figures share: lines over time, views of paths, and numbers as CSV."""
+"""What the reproduced figures share: lines over time, and views of paths."""
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ...models.types import Array
-from .. import plots, tables
+from .. import plots
 
 STYLES: tuple[dict[str, Any], ...] = (
     {"color": plots.COLOURS[4], "linestyle": (0, (5, 2)), "linewidth": 1.4},
@@ -15,39 +12,13 @@ STYLES: tuple[dict[str, Any], ...] = (
     {"color": "#202020", "linestyle": (0, (1, 1.5)), "linewidth": 1.3},
 )
 """As K draws them: fixed set point hashed, tracking in full, reference dotted."""
+EXACT: dict[str, Any] = {**STYLES[2], "zorder": 5}
+"""Style of an exact solution behind numerical ones: dotted, on top of them."""
 
 
 def styles(count: int) -> Sequence[dict[str, Any]]:
     """Styles of so many lines: a single one is drawn in full."""
     return STYLES[1:2] if count == 1 else STYLES[:count]
-
-
-def beside(stem: Path, suffix: str) -> Path:
-    """The file `STEM.png` or `STEM.csv`; a stem may have dots ("K3.21")."""
-    return stem.with_name(stem.name + suffix)
-
-
-def write_csv(stem: Path, columns: dict[str, Array]) -> None:
-    """Write columns (N,) by name to `STEM.csv`.
-
-    Raises
-    ------
-    OutputError
-        The file cannot be written.
-    """
-    rows = np.column_stack(list(columns.values()))
-    tables.write_csv(beside(stem, ".csv"), columns, rows, ".8g")
-
-
-def save(stem: Path, figure: Any) -> None:
-    """Write a figure to `STEM.png`.
-
-    Raises
-    ------
-    OutputError
-        The file cannot be written.
-    """
-    plots.save(figure, beside(stem, ".png"))
 
 
 def panel(

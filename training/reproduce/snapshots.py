@@ -1,11 +1,9 @@
 """A mechanism drawn at instants of its move: ropes, rails, booms, masses, and their ways."""
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
 from ...feedforward import Motion, equations_of, redundant
 from ...models import Load, Platform
@@ -13,8 +11,8 @@ from ...models.rig.chain import pulleys
 from ...models.types import Array
 from .. import plots
 from ..tables import table
-from . import sheets
-from .y_sheets import Snapshots
+from .entry import Sheet
+from .figures_y_data import Snapshots
 
 Places = dict[str, Array]
 
@@ -26,11 +24,11 @@ FAINT = 0.25
 SAMPLES = 401
 
 
-def draw(stem: Path, sheet: Snapshots, motion: Motion) -> Table:
-    """Draw the snapshots to `STEM.png`, and a table of where the loads are."""
+def draw(sheet: Snapshots, motion: Motion) -> Sheet:
+    """Snapshots, and a table of where the payload is."""
     places = world(motion)
     chosen = np.linspace(0, len(motion.times) - 1, INSTANTS).astype(int)
-    drawn, axes = plots.figure(
+    figure, axes = plots.figure(
         5.0 * len(sheet.views) + 1.0, 5.0, ncols=len(sheet.views), squeeze=False
     )
     for ax, view in zip(axes[0], sheet.views, strict=True):
@@ -40,14 +38,11 @@ def draw(stem: Path, sheet: Snapshots, motion: Motion) -> Table:
         _ways(ax, motion, places, pair)
         ax.set(xlabel=f"{view[0]} [m]", ylabel=f"{view[1]} [m]")
         ax.set_aspect("equal", adjustable="datalim")
-    drawn.suptitle(sheet.title, x=0.012, ha="left", fontsize=11, fontweight="bold")
-    sheets.save(stem, drawn)
-    shown = table(f"{sheet.title}: where the payload is [m]", "time [s]", "x", "y", "z")
-    carried: tuple[Load | Platform, ...] = (*motion.rig.loads, *motion.rig.platforms)
-    for i in chosen:
-        place = places[carried[-1].name][i]
-        shown.add_row(f"{motion.times[i]:.3g}", *(f"{value:.3f}" for value in place))
-    return shown
+    plots.heading(figure, sheet.title)
+    way = places[_carried(motion)[-1].name]
+    rows = ((f"{motion.times[i]:.3g}", *(f"{value:.3f}" for value in way[i])) for i in chosen)
+    heading = f"{sheet.title}: where the payload is [m]"
+    return Sheet(table(heading, "time [s]", "x", "y", "z", rows=rows), figure)
 
 
 def world(motion: Motion) -> Places:
@@ -57,6 +52,10 @@ def world(motion: Motion) -> Places:
     state, _ = redundant(equations, values, {name: 0.0 * value for name, value in values.items()})
     state = np.hstack((state, np.ones((len(state), 1))))
     return {name: state @ rows.T for name, rows in equations.points.items()}
+
+
+def _carried(motion: Motion) -> tuple[Load | Platform, ...]:
+    return (*motion.rig.loads, *motion.rig.platforms)
 
 
 def _picture(ax: Any, motion: Motion, places: Places, opacity: float) -> None:
@@ -93,7 +92,6 @@ def _line(ax: Any, points: Sequence[Array], colour: str, width: float, opacity: 
 
 def _ways(ax: Any, motion: Motion, places: Places, pair: list[int]) -> None:
     """Where loads, pulleys and platforms went."""
-    carried: tuple[Load | Platform, ...] = (*motion.rig.loads, *motion.rig.platforms)
-    for mass in carried:
+    for mass in _carried(motion):
         way = places[mass.name][:, pair]
         ax.plot(*way.T, color=plots.COLOURS[3], linewidth=1.2, linestyle=(0, (1, 1.5)))

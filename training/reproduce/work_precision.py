@@ -11,7 +11,6 @@ step of RK4.  The extrapolated points take the last five runs of their scheme up
 
 from collections.abc import Callable, Sequence
 from itertools import groupby
-from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple, TypeVar
 
@@ -25,8 +24,8 @@ from ...models.squeezer import mechanism as data
 from ...models.squeezer.closing import final_angles
 from ...models.types import Array
 from .. import plots
-from ..tables import table, write_csv
-from . import sheets
+from ..tables import table
+from .entry import Sheet, entry
 
 T = TypeVar("T")
 
@@ -74,13 +73,13 @@ class Point(NamedTuple):
     seconds: float
 
 
-def figure(stem: Path) -> Table:
-    """The work-precision figure, its points as CSV, and a table of the best of each method."""
+@entry("squeezer", "work and precision on the squeezing mechanism")
+def squeezer() -> Sheet:
+    """Error over work; the table is of the finest point of each method."""
     points = measure()
     truth, spread = converged(points)
-    _draw(stem, points, truth, spread)
-    _write(stem, points, truth)
-    return _table(points, truth, spread)
+    summary = _table(points, truth, spread)
+    return Sheet(summary, _draw(points, truth, spread), _columns(points, truth))
 
 
 def measure(
@@ -171,8 +170,8 @@ def _largest_error(point: Point, truth: Array) -> float:
     return float(np.abs(point.angles - truth).max())
 
 
-def _draw(stem: Path, points: Sequence[Point], truth: Array, spread: float) -> None:
-    drawn, axes = plots.figure(9.6, 5.0, ncols=2, sharey=True)
+def _draw(points: Sequence[Point], truth: Array, spread: float) -> Any:
+    figure, axes = plots.figure(9.6, 5.0, ncols=2, sharey=True)
     for name, group in groupby(points, lambda point: point.method):
         rows = list(group)
         extended = name.endswith(", extrapolated")
@@ -180,10 +179,10 @@ def _draw(stem: Path, points: Sequence[Point], truth: Array, spread: float) -> N
         look: dict[str, Any] = {"color": colour, "marker": mark, "markersize": 4, "label": name}
         if extended:
             look |= {"linestyle": (0, (3, 2)), "markerfacecolor": "white"}
-        shown = [row for row in rows if row.setting != f"tolerance {FINEST:g}"]
-        errors = [max(_error(row, truth), spread) for row in shown]
-        axes[0].plot([row.evaluations for row in shown], errors, linewidth=1.3, **look)
-        axes[1].plot([row.seconds for row in shown], errors, linewidth=1.3, **look)
+        drawn = [row for row in rows if row.setting != f"tolerance {FINEST:g}"]
+        errors = [max(_error(row, truth), spread) for row in drawn]
+        axes[0].plot([row.evaluations for row in drawn], errors, linewidth=1.3, **look)
+        axes[1].plot([row.seconds for row in drawn], errors, linewidth=1.3, **look)
     published = abs(data.PUBLISHED[0] - truth[0])
     for ax, label in zip(axes, ("evaluations", "time [s]"), strict=True):
         ax.axhline(published, color="#404040", linewidth=1.0, linestyle=(0, (1, 1.5)))
@@ -193,46 +192,40 @@ def _draw(stem: Path, points: Sequence[Point], truth: Array, spread: float) -> N
         textcoords="offset points", fontsize=8, color="#404040",
     )  # fmt: skip
     axes[0].set_ylabel("error of beta(0.03 s) [rad]")
-    drawn.suptitle(
-        "Squeezing mechanism: work and precision",
-        x=0.012,
-        ha="left",
-        fontsize=11,
-        fontweight="bold",
-    )
+    plots.heading(figure, "Squeezing mechanism: work and precision")
     lines, texts = axes[0].get_legend_handles_labels()
-    drawn.legend(lines, texts, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
-    sheets.save(stem, drawn)
+    figure.legend(lines, texts, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+    return figure
 
 
-def _write(stem: Path, points: Sequence[Point], truth: Array) -> None:
-    columns = ("method", "setting", "error of beta [rad]", "largest of seven [rad]", "evaluations",
-               "seconds")  # fmt: skip
-    rows = (
-        (point.method, point.setting, _error(point, truth), _largest_error(point, truth),
-         point.evaluations, f"{point.seconds:.4f}")
-        for point in points
-    )  # fmt: skip
-    write_csv(sheets.beside(stem, ".csv"), columns, rows, ".3e")
+def _columns(points: Sequence[Point], truth: Array) -> dict[str, list[str]]:
+    return {
+        "method": [point.method for point in points],
+        "setting": [point.setting for point in points],
+        "error of beta [rad]": [f"{_error(point, truth):.3e}" for point in points],
+        "largest of seven [rad]": [f"{_largest_error(point, truth):.3e}" for point in points],
+        "evaluations": [str(point.evaluations) for point in points],
+        "seconds": [f"{point.seconds:.4f}" for point in points],
+    }
 
 
 def _table(points: Sequence[Point], truth: Array, spread: float) -> Table:
     """The finest point of each method, and the published value."""
-    shown = table(
+    summary = table(
         f"Squeezing mechanism: beta(0.03 s) = {truth[0]:.11f} rad; four methods agree within "
         f"{spread:.0e} rad",
         "method", "setting", "error of beta [rad]", "of the worst angle", "evaluations", "time [s]",
     )  # fmt: skip
     for _, group in groupby(points, lambda point: point.method):
         best = list(group)[-1]
-        shown.add_row(
+        summary.add_row(
             best.method, best.setting,
             _sure(_error(best, truth), spread), _sure(_largest_error(best, truth), spread),
             str(best.evaluations), f"{best.seconds:.2f}",
         )  # fmt: skip
     away = np.abs(np.array(data.PUBLISHED) - truth)
-    shown.add_row("published value", "", f"{away[0]:.1e}", f"{away.max():.1e}", "", "")
-    return shown
+    summary.add_row("published value", "", f"{away[0]:.1e}", f"{away.max():.1e}", "", "")
+    return summary
 
 
 def _sure(error: float, spread: float) -> str:
