@@ -14,18 +14,18 @@ Importing this package registers them; `flatrig.envs.crane.task` documents the o
 
 import gymnasium as gym
 
-from .compensation import FrictionCompensation
 from .controllers import PD, Feedforward, Residual
 from .crane.disturbances import Disturbances, Scenario, design
+from .crane.env import CraneEnv, CraneVectorEnv
+from .crane.friction_compensation import FrictionCompensation
 from .crane.references import RandomMoves
-from .crane.task import CraneTask, Outcome
+from .crane.task import CraneTask
+from .episodes import Outcome
 from .hand.disturbances import HandDisturbances, HandScenario, hand_design
+from .hand.env import HandEnv, HandVectorEnv
 from .hand.goals import RandomGoals
+from .hand.pose_controller import PoseFeedback
 from .hand.task import HandTask
-from .hand_env import HandEnv, HandVectorEnv
-from .pose_feedback import PoseFeedback
-from .single import CraneEnv
-from .vector import CraneVectorEnv
 
 __all__ = [
     "ENVIRONMENTS",

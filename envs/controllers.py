@@ -27,8 +27,8 @@ from numpy.typing import ArrayLike
 
 from ..models.errors import OptionError
 from ..models.types import Array
-from .crane.tuning import Gains, Track
-from .episodes import Task
+from .episodes import AnyTask, Task
+from .gains import Gains, Track
 from .option_checks import actions_of, number
 
 AnyEnv = gym.Env[Any, Any] | VectorEnv[Any, Any, Any]
@@ -54,7 +54,7 @@ class PDLaw(Law):
 
     name = "PD"
 
-    def __init__(self, task: Task, gains: Gains, moving: bool, hold: bool) -> None:
+    def __init__(self, task: AnyTask, gains: Gains, moving: bool, hold: bool) -> None:
         self._task, self.moving, self._hold = task, moving, hold
         self.gains = np.concatenate((gains.stiffness / task.limits, gains.damping / task.limits))
 
@@ -85,7 +85,7 @@ class FeedforwardLaw(Law):
 
     name = "Feedforward"
 
-    def __init__(self, task: Task, below: Law | None) -> None:
+    def __init__(self, task: AnyTask, below: Law | None) -> None:
         self._task, self._below = task, below
 
     def apply(self, actions: Array) -> Array:
@@ -218,7 +218,7 @@ def Residual(env: AnyEnv, fraction: float = 0.2) -> Any:
     return wrap(env, ResidualLaw(number("fraction", fraction, above=0, most=1)), fraction=fraction)
 
 
-def task_of(env: AnyEnv) -> Task:
+def task_of(env: AnyEnv) -> AnyTask:
     """The task below all wrappers.
 
     Raises
@@ -259,7 +259,7 @@ def refuse_below(env: AnyEnv, name: str) -> None:
             )
 
 
-def _gain(task: Task, name: str, value: ArrayLike) -> Array:
+def _gain(task: AnyTask, name: str, value: ArrayLike) -> Array:
     count = len(task.limits)
     try:
         gains = np.asarray(value, dtype=float)

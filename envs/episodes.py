@@ -4,21 +4,27 @@ A task has a plant, a planner whose plans are read row by row, encoders, command
 `flatrig.envs.crane.task` puts them together for cranes, `flatrig.envs.hand.task` for hands.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar, cast
 
+import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..models.errors import OptionError
 from ..models.types import Array, Mask
-from .crane.disturbances import Scenario
-from .crane.plant import NOT_FINITE, Ids
-from .crane.tuning import Gains, Track
-from .option_checks import actions_of
-from .rewards import NAMES as REWARD_NAMES
+from .common import NOT_FINITE, Encoded, Ids, Measured, Steps
+from .gains import Gains, Track
+from .option_checks import actions_of, number, substeps_of
+from .plans import Layout, Plan, Planner, PlanT
+from .ranges import Ranges, ScenarioT
 from .rewards import Reward
+from .sensing import Observation
 from .signals import Commands, Encoders, Rows
+
+SENSORS = ("encoders", "full")
+"""What an observation can hold."""
 
 TIME = "time"
 """Why an episode is truncated."""
@@ -28,43 +34,105 @@ class Outcome(NamedTuple):
     """What a step did to each of n simulations; arrays are the caller's own."""
 
     reward: Array
-    """(n,), in [0, 1]."""
+    """Rewards in [0, 1], shape (n,)."""
     terminated: Mask
-    """(n,): the physics left the range in which the model is valid."""
+    """Whether the physics left the range in which the model is valid, shape (n,)."""
     truncated: Mask
-    """(n,): the time is over."""
+    """Whether the time is over, shape (n,)."""
     reasons: list[str]
-    """Why, for each simulation; "" while it goes on."""
+    """Why each simulation's episode is over; "" while it goes on."""
 
 
-class Task:
-    """n simulations; subclasses make the parts that are declared here, then call `_start`."""
+DisturbedT = TypeVar("DisturbedT", bound=Measured, contravariant=True)
+PlannedT = TypeVar("PlannedT", bound=Plan, contravariant=True)
+
+
+class Simulations(Encoded, Protocol[PlannedT, DisturbedT]):
+    """n simulations of a crane or a hand; arrays are live."""
+
+    ctrl: Array
+    """Inputs, shape (n, drives) [N, N m]; written before each step."""
+    qpos: Array
+    """Joint positions, shape (n, nq)."""
+    outputs: Array
+    """What the reference prescribes, as it really is, shape (n, outputs)."""
+    home: Array
+    """Joints at rest at home, shape (nq,)."""
+    home_inputs: Array
+    """Inputs that hold the plant there, shape (drives,) [N, N m]."""
+
+    @property
+    def sound(self) -> bool:
+        """Whether every simulation can go on."""
+
+    def at_rest(self, plan: PlannedT) -> Array:
+        """Joints (nq,) where a plan begins."""
+
+    def reset(self, ids: Ids, qpos: Array, ctrl: Array, scenarios: Sequence[DisturbedT]) -> None:
+        """Put simulations at rest at joints (len(ids), nq) under inputs (len(ids), drives)."""
+
+    def step(self, ids: Ids | None = None) -> None:
+        """Hold `ctrl` over one control period, in all simulations or some."""
+
+    def why(self, sim: int) -> str:
+        """Reason for which a simulation cannot go on, "" if it can."""
+
+
+class Task(ABC, Generic[PlanT, ScenarioT]):
+    """n simulations; a subclass calls `_prepare`, makes its parts, and calls `_start`."""
 
     num: int
-    limits: Array
-    """Of the inputs, (drives,)."""
-    period: float
-    """Between two steps [s]."""
+    """Number of simulations n."""
     all: Ids
-    """Of all simulations."""
-    plant: Any
-    planner: Any
-    disturbances: Any
-    undisturbed: Any = Scenario()
-    scenarios: list[Any]
-    """Of each simulation's episode."""
-    plans: list[Any]
-    """Of each simulation's episode."""
+    """Indices of all simulations, shape (n,)."""
+    sensors: str
+    """What is observed, "encoders" or "full"."""
+    period: float
+    """Time between two steps [s]."""
+    limits: Array
+    """Limits of the inputs, shape (drives,) [N, N m]."""
+    plant: Simulations[PlanT, ScenarioT]
+    """The simulations."""
+    planner: Planner[PlanT]
+    """Makes the plans of episodes."""
+    disturbances: Ranges[ScenarioT]
+    """What scenarios are drawn from."""
+    scenarios: list[ScenarioT]
+    """Scenario of each simulation's episode."""
+    plans: list[PlanT]
+    """Plan of each simulation's episode, once it has begun."""
     rows: Rows
+    """The plans' rows at the present steps."""
     encoders: Encoders
-    _observation: Any
-    _reward: Reward
+    """What is measured."""
 
-    def _start(self) -> None:
-        """Prepare for first episodes."""
+    def _prepare(
+        self, num: int, sensors: str, rate: float, timestep: float, hold: float,
+        nthread: int | None,
+    ) -> int:  # fmt: skip
+        """Check and keep the options that all tasks share; the substeps of a control period."""
+        number("number of simulations", num, least=1, whole=True)
+        number("hold", hold, least=0, unit="s")
+        if nthread is not None:
+            number("nthread", nthread, least=1, whole=True)
+        if sensors not in SENSORS:
+            raise OptionError(f"sensors is {sensors!r}, it must be one of {', '.join(SENSORS)}")
+        self.num, self.sensors = int(num), sensors
+        self.all = np.arange(self.num, dtype=np.int32)
+        substeps = substeps_of(rate, timestep)
+        self.period = substeps * timestep
+        return substeps
+
+    def _start(self, layout: Layout, levers: Array, length: float) -> None:
+        """Prepare for first episodes; levers of outputs and a length [m] are the reward's."""
         num = self.num
-        self.scenarios = [self.undisturbed] * num
-        self.plans = [self.planner.fixed] * num
+        self.rows = Rows(layout, num, self.planner.fixed)
+        self.encoders = Encoders(self.plant, self.period)
+        self._observation = self._make_observation()
+        self._reward = Reward(num, levers, layout.drives, length)
+        self._undisturbed: ScenarioT = self.disturbances.scenario_type()
+        self.scenarios = [self._undisturbed] * num
+        self.plans = cast("list[PlanT]", [self.planner.fixed] * num)
         self._new = set(range(num))
         self._steps = np.zeros(num, dtype=np.int64)
         self._countdown = 0
@@ -75,25 +143,24 @@ class Task:
     @property
     def observation_names(self) -> tuple[str, ...]:
         """Names of the entries of an observation."""
-        names: tuple[str, ...] = self._observation.names
-        return names
+        return self._observation.names
 
     @property
+    @abstractmethod
     def action_names(self) -> tuple[str, ...]:
         """Names of the entries of an action."""
-        raise NotImplementedError
 
     @property
-    def steps(self) -> NDArray[np.int64]:
-        """Of each simulation's episode so far, (n,), live."""
+    def steps(self) -> Steps:
+        """Steps of each simulation's episode so far, shape (n,), live."""
         return self._steps
 
     def reset(
         self,
         ids: Ids,
         generators: Sequence[np.random.Generator],
-        scenarios: Sequence[Any] | None = None,
-        references: Sequence[Any] | None = None,
+        scenarios: Sequence[ScenarioT | None] | None = None,
+        references: Sequence[object] | None = None,
     ) -> None:
         """Begin new episodes in some simulations.
 
@@ -114,9 +181,8 @@ class Task:
         PathError, SmoothnessError
             A reference cannot be followed.
         """
-        nothing: list[Any] = [None] * len(ids)
-        scenarios = nothing if scenarios is None else scenarios
-        references = nothing if references is None else references
+        scenarios = [None] * len(ids) if scenarios is None else scenarios
+        references = [None] * len(ids) if references is None else references
         for scenario in scenarios:
             self.disturbances.check(scenario)
         plans = [
@@ -130,7 +196,7 @@ class Task:
         for sim, scenario, plan in zip(ids.tolist(), drawn, plans, strict=True):
             self.scenarios[sim], self.plans[sim] = scenario, plan
         inputs = np.array([plan.inputs for plan in plans])
-        joints = np.array([self.plant.at_rest(plan.start) for plan in plans])
+        joints = np.array([self.plant.at_rest(plan) for plan in plans])
         self.plant.reset(ids, joints, inputs, drawn)
         self._new.difference_update(ids.tolist())
         self._steps[ids] = 0
@@ -157,33 +223,47 @@ class Task:
         OptionError
             Actions have another shape or are not numbers, or an episode has not begun.
         """
-        given = actions_of(actions, self._scale.shape)
+        wanted = actions_of(actions, self._scale.shape)
         if self._new and (ids is None or not self._new.isdisjoint(ids.tolist())):
             raise OptionError("no episode has begun, call reset before step")
-        reward = self._advance(given, None) if ids is None else self._advance_some(given, ids)
+        reward = self._advance(wanted, None) if ids is None else self._advance_some(wanted, ids)
         return self._judge(reward, ids)
 
     def observation(self) -> Array:
         """What the sensors say, (n, entries), scaled to order one; the caller's own."""
-        seen: Array = self._observation.read(self._commands.last)
-        return seen
+        return self._observation.read(self._commands.last)
 
+    @abstractmethod
     def gains(self, track: Track = "moving") -> Gains:
-        """Of a PD controller for this task."""
-        raise NotImplementedError
+        """Gains of a PD controller for this task."""
+
+    @abstractmethod
+    def looks(self) -> mujoco.MjModel:
+        """The model with everything that is drawn."""
 
     def info(self) -> dict[str, Any]:
         """The truth, for evaluation: arrays (n, ...) that are the caller's own."""
-        raise NotImplementedError
+        info: dict[str, Any] = {name: values.copy() for name, values in self._truth().items()}
+        tracking, smoothness = self._reward.terms.T.copy()
+        info["reward_terms"] = {"tracking": tracking, "smoothness": smoothness}
+        return info
 
     def info_of(self, sim: int) -> dict[str, Any]:
-        """The same of one simulation, terms of the reward as plain numbers."""
-        raise NotImplementedError
+        """The same of one simulation; what is one number in each is a plain number."""
+        info: dict[str, Any] = self._truth()
+        for name, values in info.items():
+            info[name] = values[sim].copy() if values.ndim > 1 else float(values[sim])
+        tracking, smoothness = self._reward.terms[sim].tolist()
+        info["reward_terms"] = {"tracking": tracking, "smoothness": smoothness}
+        return info
 
-    def _terms(self) -> dict[str, Array]:
-        """Terms of the reward by name, (n,) each."""
-        terms = self._reward.terms.copy()
-        return {name: terms[:, k] for k, name in enumerate(REWARD_NAMES)}
+    @abstractmethod
+    def _truth(self) -> dict[str, NDArray[Any]]:
+        """What `info` tells beside the terms of the reward, (n, ...) each, live or new."""
+
+    @abstractmethod
+    def _make_observation(self) -> Observation:
+        """What a policy sees; plant, rows and encoders are ready."""
 
     def _advance(self, actions: Array, ids: Ids | None) -> Array:
         """One control period of all simulations, or in the plant of some; the rewards."""
@@ -204,37 +284,42 @@ class Task:
         idle[ids] = False
         last = self._commands.last
         memory = (self._steps, last, self._reward.terms, *self.encoders.memory)
-        kept = [values[idle] for values in memory]
+        before = [values[idle] for values in memory]
         reward = self._advance(np.where(idle[:, None], last, actions), ids)
-        for values, old in zip(memory, kept, strict=True):
+        for values, old in zip(memory, before, strict=True):
             values[idle] = old
         self.rows.look(self._steps)
         return reward
 
     def _judge(self, reward: Array, ids: Ids | None) -> Outcome:
         """Which episodes are over, and why."""
-        over = Outcome(reward, np.zeros(self.num, bool), np.zeros(self.num, bool), [""] * self.num)
+        outcome = Outcome(
+            reward, np.zeros(self.num, bool), np.zeros(self.num, bool), [""] * self.num
+        )
         self._countdown -= 1
         if ids is None and self._countdown > 0 and self.plant.sound:
-            return over
+            return outcome
         stepped = np.zeros(self.num, bool)
         stepped[self.all if ids is None else ids] = True
         for sim in np.flatnonzero(stepped).tolist():
-            over.reasons[sim] = self.plant.why(sim)
-            over.terminated[sim] = bool(over.reasons[sim])
-            late = self._steps[sim] >= self.rows.length[sim]
-            over.truncated[sim] = late and not over.terminated[sim]
-            if over.truncated[sim]:
-                over.reasons[sim] = TIME
-            if over.reasons[sim] == NOT_FINITE:
+            reason = self.plant.why(sim)
+            outcome.terminated[sim] = bool(reason)
+            if not reason and self._steps[sim] >= self.rows.length[sim]:
+                outcome.truncated[sim], reason = True, TIME
+            if reason == NOT_FINITE:
                 self._clear(sim)
-        reward[over.terminated | ~stepped] = 0.0
-        return over
+            outcome.reasons[sim] = reason
+        reward[outcome.terminated | ~stepped] = 0.0
+        return outcome
 
     def _clear(self, sim: int) -> None:
         """Put a simulation that is lost back to rest, so that nothing it says is not a number."""
-        ids, nothing = self.all[sim : sim + 1], [self.undisturbed]
+        ids, undisturbed = self.all[sim : sim + 1], [self._undisturbed]
         home = self.plant.home_inputs
-        self.plant.reset(ids, self.plant.home[None], home, nothing)
-        self.encoders.reset(ids, nothing, self.rows.parts["drives"])
+        self.plant.reset(ids, self.plant.home[None], home, undisturbed)
+        self.encoders.reset(ids, undisturbed, self.rows.parts["drives"])
         self._reward.terms[sim] = 0.0
+
+
+AnyTask = Task[Any, Any]
+"""A task of cranes or of hands."""

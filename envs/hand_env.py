@@ -1,45 +1,5 @@
-"""Hands with Gymnasium's `Env` and `VectorEnv` interfaces; see `flatrig.envs.hand.task`.
+"""Where saved specs of environments look for what stands in `flatrig.envs`."""
 
-env = gym.make("flatrig/TwoFingerHand-v0", disturbances="standard", sensors="full")
-env = envs.PoseFeedback(envs.Feedforward(envs.PD(env)))
-env.reset(seed=0, options={"scenario": HandScenario(mass=1.2), "reference": HandMove(goal=...)})
-"""
+from . import HandEnv, HandVectorEnv
 
-from typing import Any
-
-from ..models.mjcf.hand_model import compile_hand
-from .hand.task import HandTask
-from .rendering import Camera
-from .single import TaskEnv
-from .vector import TaskVectorEnv
-
-
-class HandEnv(TaskEnv):
-    """A hand that is to bring its object to a pose; `options` are those of `HandTask`.
-
-    `info` tells the truth: "object", "rotation", "reference", "reference_rotation", "distance",
-    "turned", "touching", "input", "reward_terms", and in "reason" why the episode is over.
-    """
-
-    def __init__(self, hand: Any, *, render_mode: str | None = None, **options: Any) -> None:
-        super().__init__(HandTask(hand, num=1, **options), render_mode)
-
-    def _new_camera(self, mode: str) -> Camera:
-        return Camera(compile_hand(self.task.hand), mode)
-
-
-class HandVectorEnv(TaskVectorEnv):
-    """n hands; seeded with `seed`, hand i is the single environment seeded with seed + i.
-
-    Episodes begin and end as those of `CraneVectorEnv`.
-    """
-
-    what = "hands"
-
-    def __init__(
-        self, hand: Any, *, num_envs: int = 1, render_mode: str | None = None, **options: Any
-    ) -> None:
-        super().__init__(HandTask(hand, num=num_envs, **options), render_mode)
-
-    def _new_camera(self, mode: str) -> Camera:
-        return Camera(compile_hand(self.task.hand), mode)
+__all__ = ["HandEnv", "HandVectorEnv"]

@@ -6,11 +6,10 @@ from numbers import Real
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..models.errors import OptionError, did_you_mean
-
-SENSORS = ("encoders", "full")
+from ..models.types import Array
 
 
 def number(
@@ -56,7 +55,7 @@ def seed_of(value: object) -> int | None:
     return int(value)  # type: ignore[call-overload, no-any-return]
 
 
-def actions_of(value: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
+def actions_of(value: ArrayLike, shape: tuple[int, ...]) -> Array:
     """Actions as an array of this shape.
 
     Raises
@@ -65,12 +64,12 @@ def actions_of(value: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
         They have another shape or are not numbers.
     """
     try:
-        given = np.asarray(value, dtype=float)
+        actions = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
         raise OptionError(f"an action must be numbers of shape {shape}, not {value!r}") from None
-    if given.shape != shape:
-        raise OptionError(f"an action has shape {given.shape}, it must have shape {shape}")
-    return given
+    if actions.shape != shape:
+        raise OptionError(f"an action has shape {actions.shape}, it must have shape {shape}")
+    return actions
 
 
 def substeps_of(rate: float, timestep: float) -> int:
@@ -91,22 +90,6 @@ def substeps_of(rate: float, timestep: float) -> int:
             "s), it must be a whole number of them"
         )
     return whole
-
-
-def check_simple(num: int, sensors: str, hold: float, nthread: int | None) -> None:
-    """The simple options of a task.
-
-    Raises
-    ------
-    OptionError
-        One has a value it cannot have.
-    """
-    number("number of simulations", num, least=1, whole=True)
-    number("hold", hold, least=0, unit="s")
-    if nthread is not None:
-        number("nthread", nthread, least=1, whole=True)
-    if sensors not in SENSORS:
-        raise OptionError(f"sensors is {sensors!r}, it must be one of {', '.join(SENSORS)}")
 
 
 def check_options(options: dict[str, Any] | None, known: tuple[str, ...]) -> dict[str, Any]:

@@ -10,7 +10,6 @@ An episode that ends early gets nothing in its last step, and nothing thereafter
 import numpy as np
 
 from ..models.types import Array
-from .crane.geometry import Scales
 
 NEAR = 0.0125
 """Distance D that halves the reward, over the typical length of the rig (5 cm for 4 m)."""
@@ -18,23 +17,40 @@ NEAR = 0.0125
 JERKY = 1.0
 """Change S of the command that halves the reward."""
 
-NAMES = ("tracking", "smoothness")
-
 
 class Reward:
-    """The terms of n simulations, (n, terms), and the change of their commands, (n, drives)."""
+    """The reward of n simulations.
 
-    def __init__(self, num: int, levers: Array, drives: int, scales: Scales) -> None:
+    Parameters
+    ----------
+    num
+        Number of simulations n.
+    levers
+        What a unit of each output counts for, shape (outputs,) [m].
+    drives
+        Number of drives.
+    length
+        Typical length of the plant [m].
+
+    Attributes
+    ----------
+    terms
+        Tracking and smoothness, shape (n, terms).
+    change
+        Change of the commands in a control period, to be written before `of`, (n, drives).
+    """
+
+    def __init__(self, num: int, levers: Array, drives: int, length: float) -> None:
         outputs = len(levers)
-        self.terms = np.ones((num, len(NAMES)))
+        self.terms = np.ones((num, 2))
         self._tracking, self._smoothness = self.terms.T
         self._one = np.ones_like(self.terms)
-        self._vectors = np.zeros((num, len(NAMES), max(outputs, drives)))  # padded with zeros
+        self._vectors = np.zeros((num, 2, max(outputs, drives)))  # padded with zeros
         self._distance = self._vectors[:, 0, :outputs]
         self.change = self._vectors[:, 1, :drives]
         self._scaled = np.zeros_like(self._vectors)
         self._per_unit = np.ones_like(self._vectors)
-        self._per_unit[:, 0], self._per_unit[:, 1] = 1.0 / (NEAR * scales.length), 1.0 / JERKY
+        self._per_unit[:, 0], self._per_unit[:, 1] = 1.0 / (NEAR * length), 1.0 / JERKY
         self._per_unit[:, 0, :outputs] *= levers
 
     def of(self, outputs: Array, reference: Array) -> Array:

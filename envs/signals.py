@@ -1,30 +1,16 @@
 """Between controller and plant: encoders that count, inputs that come late, plans read by row."""
 
 from collections.abc import Sequence
-from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..models.errors import OptionError
 from ..models.types import Array
-from .crane.disturbances import LONGEST_DELAY
-from .crane.plan import Layout, Plan
-from .crane.plant import Ids
-
-Steps = NDArray[np.int64]
+from .common import LONGEST_DELAY, Encoded, Ids, Measured, Steps
+from .plans import Layout, Plan
 
 MEMORY = 1.0
 """Time constant of the running average of the tracking error [s]."""
-
-
-class Encoded(Protocol):
-    """Plants with encoders, see `Plant`."""
-
-    num: int
-    encoders: Array
-    drive_positions: Array
-    drive_rates: Array
 
 
 class Encoders:
@@ -69,7 +55,7 @@ class Encoders:
         """What a simulation that rests must keep."""
         return self.errors, self.average, self._counted
 
-    def reset(self, ids: Ids, scenarios: Sequence[Any], planned: Array) -> None:
+    def reset(self, ids: Ids, scenarios: Sequence[Measured], planned: Array) -> None:
         """Read plants that were put at rest; `planned` are all plants' (n, 2 drives)."""
         self._resolution[ids, 0] = [scenario.encoder_resolution for scenario in scenarios]
         if self._resolution.any() and not self._counting:
@@ -124,7 +110,7 @@ class Commands:
         self._every = np.arange(num)
         self._late = False
 
-    def reset(self, ids: Ids, scenarios: Sequence[Any], commands: Array) -> None:
+    def reset(self, ids: Ids, scenarios: Sequence[Measured], commands: Array) -> None:
         """Start anew: until the first command arrives, `commands` (len(ids), drives) act."""
         self.last[ids], self.change[ids] = commands, 0.0
         self._periods[ids] = [scenario.delay for scenario in scenarios]

@@ -1,17 +1,16 @@
-"""Observation and action spaces of a task."""
+"""Observation and action spaces of one simulation of a task."""
 
 import numpy as np
 from gymnasium.spaces import Box
 
-from .crane.observation import LIMIT
-from .episodes import Task
+from .common import LIMIT
 
 
-def observation_space(task: Task) -> Box:
-    """Of one simulation."""
-    return Box(-LIMIT, LIMIT, (len(task.observation_names),), np.float64)
+def observation_space(names: tuple[str, ...]) -> Box:
+    """Scaled entries, cut off at `LIMIT`."""
+    return Box(-LIMIT, LIMIT, (len(names),), np.float64)
 
 
-def action_space(task: Task) -> Box:
-    """Of one simulation: inputs over their limits."""
-    return Box(-1.0, 1.0, (len(task.action_names),), np.float32)
+def action_space(names: tuple[str, ...]) -> Box:
+    """Inputs over their limits."""
+    return Box(-1.0, 1.0, (len(names),), np.float32)

@@ -9,28 +9,24 @@ each, so that a difference between them is not a difference between their plants
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...models.errors import OptionError, did_you_mean
+from ...models.errors import OptionError
 from ...models.rig.rig import Rig
-from ..option_checks import number as checked
+from ..common import LONGEST_DELAY, Range
+from ..ranges import PlantScenario, Ranges, quantity
 from .payloads import payloads
 
-Range = tuple[float, float]
-
 NONE: Range = (0.0, 0.0)
-
-LONGEST_DELAY = 31
-"""Of an input, in control periods."""
+ONE: Range = (1.0, 1.0)
 
 
 @dataclass(frozen=True)
-class Scenario:
+class Scenario(PlantScenario):
     """How one plant differs from its rig; the defaults do not differ.
 
     Raises
@@ -39,47 +35,46 @@ class Scenario:
         A number is not finite or not one that it can be, or gusts have no frequency.
     """
 
-    load_mass: float = 1.0
+    load_mass: float = quantity(1.0, above=0)
     """Mass of every load over the rig's."""
-    winch_friction: float = 0.0
+    winch_friction: float = quantity(0.0, least=0)
     """Coulomb friction of every winch [N of rope force]."""
-    trolley_friction: float = 0.0
+    trolley_friction: float = quantity(0.0, least=0)
     """Coulomb friction of every trolley on its rail [N]."""
-    wind: float = 0.0
+    wind: float = quantity(0.0)
     """Steady force on every load [N]."""
-    wind_direction: float = 0.0
-    """Where the wind blows, from the x axis about z [rad]; in a planar rig along x, to
-    the side of its cosine's sign."""
-    gust: float = 0.0
+    wind_direction: float = quantity(0.0)
+    """Where the wind blows, from the x axis about z [rad]; in a planar rig along x, to the side
+    of its cosine's sign."""
+    gust: float = quantity(0.0)
     """Amplitude of a sinusoid on top of the wind, in the same direction [N]."""
-    gust_frequency: float = 0.0
-    """[Hz]"""
-    gust_phase: float = 0.0
-    """[rad]"""
-    swing: float = 0.0
+    gust_frequency: float = quantity(0.0)
+    """Frequency of that sinusoid [Hz]."""
+    gust_phase: float = quantity(0.0)
+    """Phase of that sinusoid at the start [rad]."""
+    swing: float = quantity(0.0)
     """Angle of the ropes that loads hang from at the start [rad]; loads start at rest."""
-    swing_direction: float = 0.0
-    """Like `wind_direction` [rad]."""
-    encoder_resolution: float = 0.0
+    swing_direction: float = quantity(0.0)
+    """Where loads have swung to, like `wind_direction` [rad]."""
+    encoder_resolution: float = quantity(0.0, least=0)
     """Step of what encoders read [m] or [rad]; rates then come from counting over one period."""
-    delay: int = 0
+    delay: int = quantity(0, least=0, most=LONGEST_DELAY, whole=True)
     """Whole control periods between command and input."""
-    frame_friction: float = 0.0
+    frame_friction: float = quantity(0.0, least=0)
     """Coulomb friction of every frame: [N] of a sliding one, [N m] of a turning one."""
-    winch_viscous: float = 0.0
+    winch_viscous: float = quantity(0.0, least=0)
     """Viscous friction of every winch [N of rope force per m/s]."""
-    trolley_viscous: float = 0.0
+    trolley_viscous: float = quantity(0.0, least=0)
     """Viscous friction of every trolley [N s/m]."""
-    frame_viscous: float = 0.0
+    frame_viscous: float = quantity(0.0, least=0)
     """Viscous friction of every frame [N s/m] or [N m s]."""
-    static_friction: float = 1.0
+    static_friction: float = quantity(1.0, least=1)
     """Friction from rest, of all that rubs, over Coulomb friction."""
-    stribeck_velocity: float = 0.01
+    stribeck_velocity: float = quantity(0.01, above=0)
     """Speed at which what static friction has more has fallen to a third [m/s, rad/s]."""
 
     def __post_init__(self) -> None:
-        for item in fields(self):
-            _check("scenario", item.name, getattr(self, item.name))
+        super().__post_init__()
         if self.gust and not self.gust_frequency:
             raise OptionError("scenario: a gust needs a frequency; give gust_frequency [Hz]")
 
@@ -95,7 +90,7 @@ class Scenario:
 
 
 @dataclass(frozen=True)
-class Disturbances:
+class Disturbances(Ranges[Scenario]):
     """Ranges (lowest, highest) from which scenarios are drawn uniformly; units as in `Scenario`.
 
     Directions and the gusts' phase are drawn from the whole circle.  The resolution of encoders and
@@ -108,43 +103,47 @@ class Disturbances:
         have no frequency.
     """
 
-    load_mass: Range = (1.0, 1.0)
+    load_mass: Range = ONE
+    """Masses of the loads over the rig's."""
     winch_friction: Range = NONE
+    """Coulomb friction of winches [N of rope force]."""
     trolley_friction: Range = NONE
+    """Coulomb friction of trolleys [N]."""
     wind: Range = NONE
+    """Steady forces on the loads [N]."""
     gust: Range = NONE
+    """Amplitudes of gusts [N]."""
     gust_frequency: Range = NONE
+    """Frequencies of gusts [Hz]."""
     swing: Range = NONE
+    """Angles of the ropes at the start [rad]."""
     encoder_resolution: float = 0.0
+    """Step of what encoders read [m, rad], the same in all scenarios."""
     delay: tuple[int, int] = (0, 0)
+    """Whole control periods between command and input."""
     frame_friction: Range = NONE
+    """Coulomb friction of frames [N, N m]."""
     winch_viscous: Range = NONE
+    """Viscous friction of winches [N of rope force per m/s]."""
     trolley_viscous: Range = NONE
+    """Viscous friction of trolleys [N s/m]."""
     frame_viscous: Range = NONE
-    static_friction: Range = (1.0, 1.0)
+    """Viscous friction of frames [N s/m, N m s]."""
+    static_friction: Range = ONE
+    """Friction from rest over Coulomb friction."""
     stribeck_velocity: float = 0.01
+    """Speed at which static friction has fallen [m/s, rad/s], the same in all scenarios."""
+
+    scenario_type: ClassVar[type[Scenario]] = Scenario
+    single: ClassVar[tuple[str, ...]] = ("encoder_resolution", "stribeck_velocity")
 
     def __post_init__(self) -> None:
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if item.name in _SINGLE:
-                _check("disturbances", item.name, value)
-                continue
-            if not isinstance(value, tuple | list) or len(value) != 2:
-                raise OptionError(f"disturbances: {item.name} is {value!r}, it must be (low, high)")
-            low, high = value
-            for end in (low, high):
-                _check("disturbances", item.name, end)
-            if not low <= high:
-                raise OptionError(
-                    f"disturbances: {item.name} is ({low}, {high}), low must not exceed high"
-                )
-            object.__setattr__(self, item.name, (low, high))
+        super().__post_init__()
         if any(self.gust) and not any(self.gust_frequency):
             raise OptionError("disturbances: gusts need frequencies; give gust_frequency [Hz]")
 
     @classmethod
-    def standard(cls, rig: Rig) -> "Disturbances":
+    def standard(cls, rig: Rig) -> Self:
         """Load mass off by up to 30 %, friction, wind with gusts, and up to two periods of delay.
 
         Forces follow from the weight of what the rig carries: friction up to 3 % of it, wind and
@@ -174,10 +173,9 @@ class Disturbances:
         OptionError
             It is no scenario, or has friction where no range has.
         """
-        if scenario is None:
-            return
+        super().check(scenario)
         if not isinstance(scenario, Scenario):
-            raise OptionError(f"scenario is {scenario!r}, it must be a Scenario")
+            return
         if scenario.friction and not self.friction:
             raise OptionError(
                 "the scenario has friction, but the environment was made without; make it with "
@@ -189,15 +187,27 @@ class Disturbances:
                 'it with a range in disturbances, such as {"frame_friction": (0, 50)}'
             )
 
+    @property
+    def more(self) -> bool:
+        """Whether some of `MORE` is to be drawn."""
+        return any(low < high for low, high in (getattr(self, name) for name in MORE))
+
+    @property
+    def shares(self) -> tuple[int, ...]:
+        """How many shares make a scenario: the first ones, those of `MORE`, those added."""
+        groups = (DIMENSIONS, len(MORE) * self.more, len(self.added))
+        return tuple(count for count in groups if count)
+
     def scenario(self, shares: ArrayLike) -> Scenario:
         """The scenario at a place of the unit cube, shape (DIMENSIONS,) or (DIMENSIONS + more,).
 
         Without the shares of `MORE` these are at the low ends of their ranges.
         """
+        names = (*_DRAWN, *MORE, *self.added)
         places = np.asarray(shares, dtype=float).tolist()
-        places += [0.0] * (len(_DRAWN) + len(MORE) - len(places))
-        values: dict[str, Any] = {name: getattr(self, name) for name in _SINGLE}
-        for name, place in zip((*_DRAWN, *MORE), places, strict=True):
+        places[DIMENSIONS:DIMENSIONS] = [0.0] * (len(names) - len(places))
+        values: dict[str, Any] = {name: getattr(self, name) for name in self.single}
+        for name, place in zip(names, places, strict=True):
             if name in _CIRCULAR:
                 present = any(any(getattr(self, owner)) for owner in _CIRCULAR[name])
                 values[name] = 2.0 * math.pi * place if present else 0.0
@@ -205,22 +215,9 @@ class Disturbances:
                 low, high = self.delay
                 values[name] = min(low + int(place * (high - low + 1)), high)
             else:
-                low, high = getattr(self, name)
-                values[name] = low + place * (high - low)
-        return Scenario(**values)
+                values[name] = self.between(name, place)
+        return self.scenario_type(**values)
 
-    def draw(self, generator: np.random.Generator) -> Scenario:
-        """A scenario of its own for one episode."""
-        return self.scenario(generator.random(DIMENSIONS + (len(MORE) if self.more else 0)))
-
-    @property
-    def more(self) -> bool:
-        """Whether some of `MORE` is to be drawn."""
-        return any(low < high for low, high in (getattr(self, name) for name in MORE))
-
-
-_SINGLE = ("encoder_resolution", "stribeck_velocity")
-"""One number for all scenarios."""
 
 MORE = ("frame_friction", "winch_viscous", "trolley_viscous", "frame_viscous", "static_friction")
 """Drawn after the others, and only where one of them has a range: draws without stay the same."""
@@ -232,7 +229,9 @@ _CIRCULAR = {
 }
 """Directions and phases with the disturbances that they belong to."""
 
-_DRAWN = tuple(item.name for item in fields(Scenario) if item.name not in (*_SINGLE, *MORE))
+_DRAWN = tuple(
+    item.name for item in fields(Scenario) if item.name not in (*Disturbances.single, *MORE)
+)
 
 DIMENSIONS = len(_DRAWN)
 """Number of independent shares that make a scenario, `MORE` left aside."""
@@ -246,59 +245,4 @@ def design(disturbances: Disturbances, number: int, seed: int) -> list[Scenario]
     OptionError
         `number` is not a whole number >= 1 or `seed` not one >= 0.
     """
-    from scipy.stats import qmc  # only here: slow to import
-
-    number = int(checked("number of scenarios", number, least=1, whole=True))
-    seed = int(checked("seed", seed, least=0, whole=True))
-    cube = qmc.LatinHypercube(DIMENSIONS, rng=np.random.default_rng(seed)).random(number)
-    if disturbances.more:
-        generator = np.random.default_rng((seed, len(MORE)))
-        cube = np.hstack((cube, qmc.LatinHypercube(len(MORE), rng=generator).random(number)))
-    return [disturbances.scenario(place) for place in cube]
-
-
-_LIMITS: dict[str, dict[str, Any]] = {
-    "load_mass": {"above": 0},
-    "winch_friction": {"least": 0},
-    "trolley_friction": {"least": 0},
-    "frame_friction": {"least": 0},
-    "winch_viscous": {"least": 0},
-    "trolley_viscous": {"least": 0},
-    "frame_viscous": {"least": 0},
-    "static_friction": {"least": 1},
-    "stribeck_velocity": {"above": 0},
-    "encoder_resolution": {"least": 0},
-    "delay": {"least": 0, "most": LONGEST_DELAY, "whole": True},
-}
-"""What the numbers of a scenario must keep to, beyond being finite."""
-
-
-def _check(owner: str, name: str, value: object) -> None:
-    checked(f"{owner}: {name}", value, **_LIMITS.get(name, {}))
-
-
-def as_disturbances(value: Disturbances | Mapping[str, Any] | str | None, rig: Rig) -> Disturbances:
-    """The option `disturbances` of an environment: None, "standard", ranges by name, or ready.
-
-    Raises
-    ------
-    OptionError
-        It is something else.
-    """
-    if value is None:
-        return Disturbances()
-    if isinstance(value, Disturbances):
-        return value
-    if value == "standard":
-        return Disturbances.standard(rig)
-    if isinstance(value, Mapping):
-        known = [item.name for item in fields(Disturbances)]
-        for name in value:
-            if name not in known:
-                raise OptionError(
-                    f"there is no disturbance {name!r}{did_you_mean(str(name), known)}"
-                )
-        return Disturbances(**value)
-    raise OptionError(
-        f'disturbances is {value!r}, it must be None, "standard", ranges by name or Disturbances'
-    )
+    return disturbances.design(number, seed)

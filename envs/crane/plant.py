@@ -5,39 +5,30 @@ are held over a control period of several substeps, and everything that is read 
 to the new state under the inputs still held.
 """
 
-import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
-from mujoco.batch import Batch
-from numpy.typing import NDArray
 
 from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.rig_state import State, coordinates, joint_state, points
 from ...models.rig.rig import Load, Platform, Rig
 from ...models.types import Array
+from ..common import NOT_FINITE, NOTHING, Ids, bare_model, batch_of
 from .disturbances import Scenario
 from .friction_forces import DryFriction, ViscousFriction
 from .geometry import angle_joints, geometry_of, hangers, turned
 from .outputs import Outputs
 from .payloads import payloads
+from .plan import CranePlan
 from .tensions import RopeForces
 from .wind import Wind, heading
 
-Ids = NDArray[np.int32]
-
 ACCELERATIONS = int(mujoco.mjtStage.mjSTAGE_ACC)
-NOTHING = int(mujoco.mjtStage.mjSTAGE_NONE)
-
-LOG = "MUJOCO_LOG.TXT"
-"""Where MuJoCo writes warnings by default, in the folder that a program is started from."""
+"""What is read after a step: rope tensions follow from accelerations."""
 
 SLACK = "slack"
 """Why an episode ends when a rope would have to push."""
-
-NOT_FINITE = "not finite"
-"""Why an episode ends when the simulation has left the numbers."""
 
 
 class Plant:
@@ -78,8 +69,7 @@ class Plant:
         self.num = num
         self.substeps = substeps
         self.model = _model(rig, timestep, friction, rates, massless)
-        threads = min(num, os.cpu_count() or 1) if nthread is None else int(nthread)
-        self.batch = Batch(self.model, num, threads, persistent=True)
+        self.batch = batch_of(self.model, num, nthread)
         self.home = np.array(self.model.key_qpos[0])
         self.home_inputs = np.array(self.model.key_ctrl[0])
         self.geometry = geometry_of(rig, self.model, self.home)
@@ -129,9 +119,9 @@ class Plant:
         worst = self.margins.argmin()  # the first that is not a number, if there is one
         return bool(self.margins.item(worst) > 0)
 
-    def at_rest(self, values: Mapping[str, float]) -> Array:
-        """Joints (nq,) where the rig's coordinates have these values [m, rad]."""
-        return np.asarray(joint_state(self.rig, self.model, values).qpos)
+    def at_rest(self, plan: CranePlan) -> Array:
+        """Joints (nq,) where a plan begins."""
+        return np.asarray(joint_state(self.rig, self.model, plan.start).qpos)
 
     def drives_at(self, joints: Array) -> Array:
         """Drive positions (drives,) at joints (nq,)."""
@@ -220,6 +210,7 @@ class Plant:
             self._viscous = ViscousFriction(self.rig, self.model, self.batch)
         if self._viscous is not None:
             self._viscous.set(sim, scenario)
+        scenario.disturb(self, sim)
 
     def _swung(self, joints: Array, scenario: Scenario) -> Array:
         """Joints with each hanging load swung about what it hangs from, its rope as long.
@@ -247,22 +238,11 @@ class Plant:
         return np.asarray(joint_state(self.rig, self.model, values).qpos[0])
 
 
-def leave_no_log() -> None:
-    """Send MuJoCo's warnings to the console only, and leave no file in the user's folder."""
-    log = mujoco.MjLogConfig.get()
-    if log.logfile == LOG:
-        log.logto_file = False
-        log.set()
-
-
 def _model(
     rig: Rig, timestep: float, friction: bool, rates: bool, massless: float | None
 ) -> mujoco.MjModel:
     """The rig's bare physics, with the loads' velocities as sensors if asked for."""
-    leave_no_log()
     scene = mjcf.spec(rig, timestep=timestep, visuals=False, friction=friction, massless=massless)
-    # A state that is not finite must show, not be replaced by the initial one without a word.
-    scene.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     if rates:
         free: tuple[Load | Platform, ...] = (*rig.loads, *rig.platforms)
         for name in [part.name for part in free]:
@@ -272,6 +252,6 @@ def _model(
                 objtype=mujoco.mjtObj.mjOBJ_SITE,
                 objname=name,
             )
-    model = scene.compile()
+    model = bare_model(scene)
     mjcf.check(model)
     return model

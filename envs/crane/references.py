@@ -1,9 +1,9 @@
 """What the options `rig` and `reference` may be, and references drawn at random."""
 
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from os import PathLike, fspath, sep
+from typing import cast
 
 import numpy as np
 
@@ -12,11 +12,11 @@ from ...feedforward.paths.reference import Reference
 from ...models.errors import FlatrigError, OptionError
 from ...models.rig.move import Move
 from ...models.rig.rig import Rig
+from ..plans import TRIES, Planner, Sampler
 from .payloads import payloads
-from .plan import Plan, layout_of, make_plan
+from .plan import CranePlan, layout_of, make_plan
 
-Sampler = Callable[[np.random.Generator], Reference | Move]
-ReferenceOption = Reference | Move | Sampler | str | None
+ReferenceOption = Reference | Move | Callable[[np.random.Generator], Reference | Move] | str | None
 
 SHORTEST = 0.4
 """A drawn move covers at least this share of the default move's distance."""
@@ -28,13 +28,11 @@ ASIDE = 0.2
 """How far from the line between the default move's ends points are drawn where a free pulley keeps
 the load to a narrow space, as a share of the box."""
 
-TRIES = 50
-
 HEADROOM = 0.9
 """Share of the drives' limits that a drawn move may use: controllers need the rest."""
 
 
-def as_reference(value: Reference | Move) -> Reference:
+def as_reference(value: object) -> Reference:
     """A move made into a path; a path as it is.
 
     Raises
@@ -46,7 +44,7 @@ def as_reference(value: Reference | Move) -> Reference:
         return feedforward.from_move(value)
     if not hasattr(value, "derivatives"):
         raise OptionError(f"reference is {value!r}, it must be a Reference or a Move")
-    return value
+    return cast("Reference", value)
 
 
 def default_move(rig: Rig) -> Move:
@@ -123,54 +121,36 @@ class RandomMoves:
         return bool(np.abs(inputs).max() <= HEADROOM)
 
 
-@dataclass
-class Planner:
-    """Makes the plan of each episode; one for all where the reference is fixed."""
+class CranePlanner(Planner[CranePlan]):
+    """Makes the plan of each episode; `move` is the rig's own, in place of the catalogue's."""
 
-    rig: Rig
-    option: ReferenceOption
-    period: float
-    hold: float
-    move: Move | None = None
-    """The rig's own, in place of the catalogue's."""
+    kinds = "a Reference, a Move"
 
-    def __post_init__(self) -> None:
-        option = self.option
-        self._sampler: Sampler | None = None
-        self._fixed: Plan | None = None
-        if option is None:
-            option = self.move or default_move(self.rig)
-        if isinstance(option, str) and option == "random":
-            self._sampler = RandomMoves(self.rig, self.move or default_move(self.rig))
-        elif isinstance(option, Move) or hasattr(option, "derivatives"):
-            self._fixed = self.plan(option)  # type: ignore[arg-type]
-        elif callable(option):
-            self._sampler = option
-        else:
-            raise OptionError(
-                f"reference is {option!r}, it must be a Reference, a Move, "
-                'a function of a random generator, "random" or None'
-            )
+    def __init__(
+        self, rig: Rig, option: ReferenceOption, period: float, hold: float, move: Move | None
+    ) -> None:
+        self._rig, self._move = rig, move
+        super().__init__(option, period, hold)
 
-    @property
-    def fixed(self) -> Plan | None:
-        """The plan of all episodes, if it is the same for all."""
-        return self._fixed
+    def default(self) -> Move:
+        """The rig's own move, or the catalogue's."""
+        return self._move or default_move(self._rig)
 
-    def plan(self, reference: Reference | Move) -> Plan:
+    def random(self) -> RandomMoves:
+        """Moves between random points."""
+        return RandomMoves(self._rig, self.default())
+
+    def is_reference(self, option: object) -> bool:
+        """Whether it is a path or a move."""
+        return isinstance(option, Move) or hasattr(option, "derivatives")
+
+    def plan(self, reference: object) -> CranePlan:
         """The plan for a given reference."""
-        return make_plan(self.rig, as_reference(reference), self.period, self.hold)
+        return make_plan(self._rig, as_reference(reference), self.period, self.hold)
 
-    def draw(self, generator: np.random.Generator) -> Plan:
-        """The plan of one episode."""
-        if self._fixed is not None:
-            return self._fixed
-        assert self._sampler is not None
-        if isinstance(self._sampler, RandomMoves):
-            for _ in range(TRIES):
-                with suppress(FlatrigError):  # a move that its coarse samples promised too much of
-                    return self.plan(self._sampler(generator))
-        return self.plan(self._sampler(generator))
+    def draws_anew(self, sampler: Sampler) -> bool:
+        """Only a random move's coarse samples may promise too much; a user's draw is an error."""
+        return isinstance(sampler, RandomMoves)
 
 
 def rig_and_move(rig: object) -> tuple[Rig, Move | None]:

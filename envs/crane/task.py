@@ -5,7 +5,7 @@
     outcome = task.step(actions)                # actions (64, drives) in [-1, 1]
     task.observation()                          # (64, entries), named by task.observation_names
 
-`flatrig.envs.single` and `flatrig.envs.vector` give it Gymnasium's two interfaces, and the
+`flatrig.envs.crane.env` gives it Gymnasium's two interfaces, and the
 controllers of `flatrig.envs.controllers` read what encoders measure and what the plan asks here.
 A simulation's episode depends on its own generator, scenario and actions only, to the last bit.
 """
@@ -13,25 +13,25 @@ A simulation's episode depends on its own generator, scenario and actions only, 
 from os import PathLike
 from typing import Any
 
+import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
+from ... import models
 from ...models.rig.rig import Rig
-from ..episodes import TIME, Outcome, Task
-from ..option_checks import check_simple, substeps_of
-from ..rewards import Reward
-from ..signals import Encoders, Rows
-from .disturbances import Disturbances, as_disturbances
-from .observation import Observation
+from ..episodes import Task
+from ..gains import Gains, Track
+from ..sensing import Observation
+from .disturbances import Disturbances, Scenario
+from .observation import observation_of
 from .outputs import levers
-from .plan import layout_of
+from .plan import CranePlan, layout_of
 from .plant import Plant
-from .references import Planner, ReferenceOption, rig_and_move
-from .tuning import Gains, Track, gains_of
-
-__all__ = ["TIME", "CraneTask", "Outcome"]
+from .references import CranePlanner, ReferenceOption, rig_and_move
+from .tuning import gains_of
 
 
-class CraneTask(Task):
+class CraneTask(Task[CranePlan, Scenario]):
     """n simulations of a rig that is to follow a reference.
 
     Parameters
@@ -66,6 +66,9 @@ class CraneTask(Task):
         The rig cannot follow the reference.
     """
 
+    plant: Plant
+    disturbances: Disturbances
+
     def __init__(
         self,
         rig: Rig | str | PathLike[str] | None = None,
@@ -81,18 +84,14 @@ class CraneTask(Task):
         nthread: int | None = None,
     ) -> None:
         self.rig, move = rig_and_move(rig)
-        check_simple(num, sensors, hold, nthread)
-        self.num = num = int(num)
         self.massless = massless
-        self.all = np.arange(num, dtype=np.int32)
-        substeps = substeps_of(rate, timestep)
-        self.period = substeps * timestep
-        self.disturbances = as_disturbances(disturbances, self.rig)
+        substeps = self._prepare(num, sensors, rate, timestep, hold, nthread)
+        self.disturbances = Disturbances.of(disturbances, self.rig)
         self.limits = np.array([drive.limit for drive in self.rig.drives])
-        self.planner = Planner(self.rig, reference, self.period, hold, move)
+        self.planner = CranePlanner(self.rig, reference, self.period, hold, move)
         self.plant = Plant(
             self.rig,
-            num,
+            self.num,
             timestep=timestep,
             substeps=substeps,
             friction=self.disturbances.friction,
@@ -102,11 +101,7 @@ class CraneTask(Task):
             nthread=nthread,
         )
         self.scales = self.plant.geometry.scales
-        self.rows = Rows(layout_of(self.rig), num, self.planner.fixed)
-        self.encoders = Encoders(self.plant, self.period)
-        self._observation = Observation(self.plant, self.encoders, self.rows, sensors == "full")
-        self._reward = Reward(num, levers(self.rig, self.scales), len(self.rig.drives), self.scales)
-        self._start()
+        self._start(layout_of(self.rig), levers(self.rig, self.scales), self.scales.length)
 
     @property
     def action_names(self) -> tuple[str, ...]:
@@ -114,26 +109,20 @@ class CraneTask(Task):
         return self.rig.input_names
 
     def gains(self, track: Track = "moving") -> Gains:
-        """Of a PD controller, see `flatrig.envs.crane.tuning`."""
+        """Gains of a PD controller, see `flatrig.envs.crane.tuning`."""
         return gains_of(self, track)
 
-    def info(self) -> dict[str, Any]:
-        """The truth, for evaluation: arrays (n, ...) that are the caller's own."""
+    def looks(self) -> mujoco.MjModel:
+        """The model with everything that is drawn."""
+        return models.compile(self.rig, visuals=True, massless=self.massless)
+
+    def _truth(self) -> dict[str, NDArray[Any]]:
         return {
-            "load": self.plant.outputs.copy(),
-            "reference": self.rows.parts["outputs"].copy(),
-            "tension": self.plant.tensions.copy(),
-            "input": self.plant.ctrl.copy(),
-            "reward_terms": self._terms(),
+            "load": self.plant.outputs,
+            "reference": self.rows.parts["outputs"],
+            "tension": self.plant.tensions,
+            "input": self.plant.ctrl,
         }
 
-    def info_of(self, sim: int) -> dict[str, Any]:
-        """The same of one simulation, terms of the reward as plain numbers."""
-        tracking, smoothness = self._reward.terms[sim].tolist()
-        return {
-            "load": self.plant.outputs[sim].copy(),
-            "reference": self.rows.parts["outputs"][sim].copy(),
-            "tension": self.plant.tensions[sim].copy(),
-            "input": self.plant.ctrl[sim].copy(),
-            "reward_terms": {"tracking": tracking, "smoothness": smoothness},
-        }
+    def _make_observation(self) -> Observation:
+        return observation_of(self.plant, self.encoders, self.rows, self.sensors == "full")

@@ -21,18 +21,17 @@ and nothing is left for a third period of delay.  Towards a fixed set point erro
 of the whole move, and lower frequencies with more damping swing least.
 """
 
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
 
 from ...models.rig.rig import Frame, Rope, Trolley
 from ...models.types import Array
+from ..gains import Gains, Track
 
 if TYPE_CHECKING:
     from .task import CraneTask
-
-Track = Literal["moving", "set point"]
 
 TUNING: dict[Track, dict[type, tuple[float, float]]] = {
     "moving": {Rope: (5.5, 0.5), Trolley: (10.0, 0.7), Frame: (3.0, 0.7)},
@@ -40,19 +39,9 @@ TUNING: dict[Track, dict[type, tuple[float, float]]] = {
 }
 """omega [rad/s] and zeta of winches, trolleys and frames."""
 
-
 COMMON: dict[Track, float] = {"moving": 3.0, "set point": 2.0}
 """Moving: a rope's damping 2 zeta omega then grows to about a trolley's, which stands two periods
 of delay.  Set point: a roped trolley that is asked to go 5 m at once keeps its ropes taut."""
-
-
-class Gains(NamedTuple):
-    """Of each drive, in its input's unit per metre, or radian of a turning frame."""
-
-    stiffness: Array
-    """Shape (drives,) [N/m, N m/m, N m/rad]."""
-    damping: Array
-    """Shape (drives,) [N s/m, N m s/m, N m s/rad]."""
 
 
 def gains_of(task: "CraneTask", track: Track = "moving") -> Gains:

@@ -1,21 +1,19 @@
 """Moves of hands for episodes: the default one, a given one, or goals drawn near the default."""
 
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from ...feedforward.rolling.carried import carried_by
-from ...models.errors import FlatrigError, OptionError
+from ...models.errors import OptionError
 from ...models.hand.catalogue import HAND_CATALOGUE, default_hand_move, make_hand
 from ...models.hand.hand import Hand
 from ...models.hand.move import HandMove
-from .plan import HandRows, make_hand_plan
+from ..plans import Planner
+from .plan import HandPlan, make_hand_plan
 
-Sampler = Callable[[np.random.Generator], HandMove]
-HandReference = HandMove | Sampler | str | None
+HandReference = HandMove | Callable[[np.random.Generator], HandMove] | str | None
 
 DURATION = 2.0
 """Of the default moves in environments [s]."""
@@ -23,7 +21,6 @@ AROUND = 0.15
 """By how much drawn goals turn more or less than the default move, each angle at most [rad]."""
 ASIDE = 0.2
 """By how much they lie aside, along each axis at most, over the object's radius."""
-TRIES = 50
 
 
 @dataclass(frozen=True)
@@ -46,56 +43,32 @@ class RandomGoals:
         return replace(self.move, goal=tuple(turned.tolist()), shift=shift)
 
 
-@dataclass
-class HandPlanner:
-    """Makes the plan of each episode; one for all where the reference is fixed.
+class HandPlanner(Planner[HandPlan]):
+    """Makes the plan of each episode; goals that the hand cannot reach are drawn anew."""
 
-    Raises
-    ------
-    OptionError
-        The reference is none.
-    PathError
-        The hand cannot make the move.
-    """
+    kinds = "a HandMove"
 
-    hand: Hand
-    option: HandReference
-    period: float
-    hold: float
+    def __init__(self, hand: Hand, option: HandReference, period: float, hold: float) -> None:
+        self._hand = hand
+        super().__init__(option, period, hold)
 
-    def __post_init__(self) -> None:
-        option = self.option
-        self._sampler: Sampler | None = None
-        self.fixed: HandRows | None = None
-        if option is None:
-            option = default_move(self.hand)
-        if isinstance(option, str) and option == "random":
-            self._sampler = RandomGoals(self.hand, default_move(self.hand))
-        elif isinstance(option, HandMove):
-            self.fixed = self.plan(option)
-        elif callable(option):
-            self._sampler = option
-        else:
-            raise OptionError(
-                f"reference is {option!r}, it must be a HandMove, a function of a random "
-                'generator, "random" or None'
-            )
+    def default(self) -> HandMove:
+        """The catalogue's move."""
+        return default_move(self._hand)
 
-    def plan(self, reference: object) -> HandRows:
+    def random(self) -> RandomGoals:
+        """Moves to goals near the catalogue's."""
+        return RandomGoals(self._hand, self.default())
+
+    def is_reference(self, option: object) -> bool:
+        """Whether it is a move of a hand."""
+        return isinstance(option, HandMove)
+
+    def plan(self, reference: object) -> HandPlan:
         """The plan for a given move."""
         if not isinstance(reference, HandMove):
             raise OptionError(f"reference is {reference!r}, it must be a HandMove")
-        return make_hand_plan(self.hand, reference, self.period, self.hold)
-
-    def draw(self, generator: np.random.Generator) -> HandRows:
-        """The plan of one episode; goals that the hand cannot reach are drawn anew."""
-        if self.fixed is not None:
-            return self.fixed
-        assert self._sampler is not None
-        for _ in range(TRIES):
-            with suppress(FlatrigError):
-                return self.plan(self._sampler(generator))
-        return self.plan(self._sampler(generator))
+        return make_hand_plan(self._hand, reference, self.period, self.hold)
 
 
 def default_move(hand: Hand) -> HandMove:
@@ -111,7 +84,7 @@ def default_move(hand: Hand) -> HandMove:
     return replace(default_hand_move(hand), duration=DURATION)
 
 
-def as_hand(value: Any) -> Hand:
+def as_hand(value: object) -> Hand:
     """The option `hand`.
 
     Raises

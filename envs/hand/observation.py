@@ -1,80 +1,52 @@
-"""What a policy sees of a hand: named entries, scaled with the object's radius r.
+"""What a policy sees of a hand: the entries of `flatrig.envs.sensing`, with its own units.
 
-For every slide and turn, in the order of the inputs, with times over `TIME`:
-
-    NAME.position      measured, from home                         over r, a turn's over 1 rad
-    NAME.rate          measured
-    NAME.error, NAME.rate_error     plan - measured                over `FINE` of these
-    NAME.mean_error    running average of the error over about a second
-    NAME.command       last command                                in [-1, 1]
-    NAME.ahead_T       plan T seconds ahead - plan now
-    left               share of the episode that is left
-
-With sensors="full" then, for every way the object can move (planar: x, z and the turn about y):
+The unit of slides is the object's radius r, that of turns 1 rad, and the typical time is `TIME`.
+With sensors="full" follow, for every way the object can move (planar: x, z and the turn about y):
 
     object.x.error, object.turn_x.error            plan - measured          over `FINE` r, `FINE`
     object.x.rate_error, object.turn_x.rate_error  the same of its twist
 
-Turns are axis times angle in space.  Values beyond +-`LIMIT` are cut off.
+Turns are axis times angle in space.
 """
 
 import numpy as np
 
 from ...models.hand.hand import Hand
 from ...models.types import Array
-from ..crane.observation import LIMIT
-from ..crane.plan import AHEAD
+from ..sensing import FINE, Observation, Sensor
 from ..signals import Encoders, Rows
 from .plan import turn_axes
 from .plant import HandPlant
 
-FINE = 0.05
-"""Errors are this much finer than positions."""
 TIME = 0.2
-"""Over which a typical motion goes one unit [s]."""
+"""Time in which a typical motion goes one unit [s]."""
+
 WAYS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
+"""Ways in which the object can move."""
 
 
-class HandObservation:
-    """Assembles the observations of n simulations."""
+def observation_of(plant: HandPlant, encoders: Encoders, rows: Rows, full: bool) -> Observation:
+    """The observations of n simulations, with the object's pose if `full`."""
+    hand, planned = plant.hand, rows.parts
+    units: list[float] = []
+    for finger in hand.fingers:
+        units += [hand.held.radius] * len(finger.slides) + [1.0] * len(turn_axes(finger))
+    ways = [0, 2, 4] if hand.planar else list(range(6))
+    near = FINE * np.array([hand.held.radius] * 3 + [1.0] * 3)[ways]
 
-    def __init__(self, plant: HandPlant, encoders: Encoders, rows: Rows, full: bool) -> None:
-        self._plant, self._encoders, self._rows, self._full = plant, encoders, rows, full
-        self._ways = [0, 2, 4] if plant.hand.planar else list(range(6))
-        self.names, self._factors = self._entries(plant.hand)
+    def pose(out: Array) -> None:
+        np.negative(pose_error(plant.outputs, planned["outputs"])[:, ways], out)
 
-    def read(self, command: Array) -> Array:
-        """Observations (n, entries), a new array."""
-        encoders = self._encoders
-        parts = [encoders.measured, encoders.errors, encoders.average, command, self._rows.ahead]
-        if self._full:
-            planned = self._rows.parts
-            off = pose_error(self._plant.outputs, planned["outputs"])
-            drift = self._plant.twist - planned["output_rates"]
-            parts += [-off[:, self._ways], -drift[:, self._ways]]
-        return np.clip(np.hstack(parts) * self._factors, -LIMIT, LIMIT)
+    def twist(out: Array) -> None:
+        np.negative((plant.twist - planned["output_rates"])[:, ways], out)
 
-    def _entries(self, hand: Hand) -> tuple[tuple[str, ...], Array]:
-        """Names of all entries, and the factors that scale them."""
-        drives, units = drive_names(hand), []
-        for finger in hand.fingers:
-            units += [hand.held.radius] * len(finger.slides)
-            units += [1.0] * len(turn_axes(finger))
-        unit = np.array(units)
-        fine = FINE * unit
-        groups = [
-            ("position", unit), ("rate", unit / TIME), ("error", fine),
-            ("rate_error", fine / TIME), ("mean_error", fine), ("command", np.ones_like(unit)),
-            *((f"ahead_{time:g}", unit) for time in AHEAD),
-        ]  # fmt: skip
-        names = [f"{drive}.{group}" for group, _ in groups for drive in drives] + ["left"]
-        scales = [*(values for _, values in groups), np.ones(1)]
-        if self._full:
-            near = FINE * np.array([hand.held.radius] * 3 + [1.0] * 3)[self._ways]
-            for kind, values in (("error", near), ("rate_error", near / TIME)):
-                names += [f"object.{WAYS[k]}.{kind}" for k in self._ways]
-                scales.append(values)
-        return tuple(names), 1.0 / np.concatenate(scales)
+    sensors = [
+        Sensor([f"object.{WAYS[way]}.error" for way in ways], near, pose),
+        Sensor([f"object.{WAYS[way]}.rate_error" for way in ways], near / TIME, twist),
+    ]
+    names = drive_names(hand)
+    home = np.zeros(len(names))
+    return Observation(encoders, rows, names, np.array(units), TIME, home, sensors if full else ())
 
 
 def drive_names(hand: Hand) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ Row k belongs to the instant k dt; its parts are named as those of a crane's pla
     drives        slides and turns of tips as encoders ought to read them, then rates  (2 drives)
     outputs       position and rotation of the object, row by row                           (12)
     output_rates  its velocity and angular velocity                                          (6)
-    feedforward, holding, preview, left    as in `flatrig.envs.crane.plan`
+    feedforward, holding, preview, left    as in `flatrig.envs.plans`
 
 Contact forces are those of least norm plus a squeeze: the internal forces that are nearest to equal
 normal forces of all fingers.  How hard is chosen once for a plan, from `SQUEEZES`.  They need no
@@ -26,7 +26,7 @@ from ...models.hand.move import HandMove
 from ...models.mjcf.hand_model import finger_home
 from ...models.types import Array
 from ...models.values import Vector
-from ..crane.plan import AHEAD, Layout
+from ..plans import Layout, Plan, steps_ahead
 from .rolling_feedback import feedback_gains
 
 SQUEEZES = (0.5, 1.0, 2.0, 3.0, 5.0)
@@ -45,30 +45,25 @@ class Start:
     """Where a plan begins, in space."""
 
     position: Array
+    """Position of the object, shape (3,) [m]."""
     rotation: Array
+    """Rotation matrix of the object, shape (3, 3)."""
     fingers: Array
-    """Positions, (fingers, 3) [m]."""
+    """Positions of the fingers, shape (fingers, 3) [m]."""
     normal_forces: Array
-    """(fingers,) [N]."""
+    """Normal forces of the fingers, shape (fingers,) [N]."""
 
 
 @dataclass(frozen=True, eq=False)
-class HandRows:
-    """A move at every step of an episode, with what it implies; fields as in `plan.Plan`."""
+class HandPlan(Plan):
+    """A move at every step of an episode, with what it implies."""
 
-    rows: Array
     start: Start
-    inputs: Array
-    goal: Array
-    goal_inputs: Array
+    """Where it begins."""
     motion: HandMotion
-    """At the rows' instants."""
+    """The motion at the rows' instants."""
     period: float
-
-    @property
-    def steps(self) -> int:
-        """Length of an episode in control periods."""
-        return len(self.rows) - 1
+    """Control period [s]."""
 
     @cached_property
     def twist_gains(self) -> Array:
@@ -87,7 +82,7 @@ def turn_axes(finger: Finger) -> tuple[Vector, ...]:
     return finger.surface.axes if isinstance(finger.surface, Tip) else ()
 
 
-def make_hand_plan(hand: Hand, move: HandMove, period: float, hold: float) -> HandRows:
+def make_hand_plan(hand: Hand, move: HandMove, period: float, hold: float) -> HandPlan:
     """Plan a move for control periods of `period` seconds, until `hold` seconds after arrival.
 
     Raises
@@ -97,8 +92,7 @@ def make_hand_plan(hand: Hand, move: HandMove, period: float, hold: float) -> Ha
     """
     plan = plan_hand(hand, move)
     steps = max(1, round((move.duration + hold) / period))
-    ahead = [round(time / period) for time in AHEAD]
-    motion = plan(period * np.arange(steps + 1 + max(1, *ahead)))
+    motion = plan(period * np.arange(steps + 1 + max(1, *steps_ahead(period))))
     grip, squeeze = gripped(motion)
     moving = joint_forces(motion, grip)
     _within_limits(motion, moving)
@@ -108,21 +102,18 @@ def make_hand_plan(hand: Hand, move: HandMove, period: float, hold: float) -> Ha
     held = _squeezed(still, squeeze, *split(still))
     holding = joint_forces(still, held).values / moving.limits
     positions, rates = drive_motion(motion)
-    columns = hand_layout(hand).columns
-    rows = np.zeros((steps + 1, hand_layout(hand).width))
-    rows[:, columns["drives"]] = np.hstack((positions, rates))[: steps + 1]
-    rows[:, columns["outputs"]] = np.hstack((now.position, now.rotation.reshape(-1, 9)))
-    rows[:, columns["output_rates"]] = np.hstack((now.velocity, now.angular_velocity))
-    rows[:, columns["feedforward"]] = middles / moving.limits
-    rows[:, columns["holding"]] = holding
-    rows[:, columns["preview"]] = np.hstack(
-        [positions[step : step + steps + 1] - positions[: steps + 1] for step in ahead]
+    rows = hand_layout(hand).table(
+        period,
+        positions,
+        rates,
+        outputs=np.hstack((now.position, now.rotation.reshape(-1, 9))),
+        output_rates=np.hstack((now.velocity, now.angular_velocity)),
+        feedforward=middles / moving.limits,
+        holding=holding,
     )
-    rows[:, columns["left"]] = 1.0 - np.arange(steps + 1)[:, None] / steps
-    rows.flags.writeable = False
     start = Start(now.position[0], now.rotation[0], now.finger_positions[0], held.normal[0])
     inputs = holding[0] * moving.limits
-    return HandRows(rows, start, inputs, positions[-1].copy(), holding[-1], now, period)
+    return HandPlan(rows, inputs, positions[-1].copy(), holding[-1], start, now, period)
 
 
 def _squeezed(motion: HandMotion, squeeze: float, least: Array, internal: Array) -> ContactForces:

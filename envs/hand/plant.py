@@ -6,22 +6,20 @@ that the tip turns about that motor's axis.  A finger touches the object while t
 overlap.
 """
 
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 
 import mujoco
 import numpy as np
-from mujoco.batch import Batch
 
 from ...models.hand.hand import Hand, Plate, Tip
 from ...models.hand.holding import holding_forces
 from ...models.mjcf.hand_model import OBJECT, RECOMMENDED, finger_home, hand_spec
 from ...models.mjcf.hand_state import HandIndex, joint_positions
 from ...models.types import Array
-from ..crane.plant import NOT_FINITE, NOTHING, Ids, leave_no_log
+from ..common import NOT_FINITE, NOTHING, Ids, bare_model, batch_of
 from .disturbances import HandScenario
-from .plan import Start, hand_layout
+from .plan import HandPlan, Start, hand_layout
 
 VELOCITIES = int(mujoco.mjtStage.mjSTAGE_VEL)
 
@@ -62,8 +60,7 @@ class HandPlant:
         self.hand, self.num, self.substeps = hand, num, substeps
         self.model = _model(hand, timestep)
         self._period = timestep * substeps
-        threads = min(num, os.cpu_count() or 1) if nthread is None else int(nthread)
-        self.batch = batch = Batch(self.model, num, threads, persistent=True)
+        self.batch = batch = batch_of(self.model, num, nthread)
         self.qpos, self.qvel = batch.bind("qpos"), batch.bind("qvel")
         self._index = HandIndex.of(hand, self.model)
         self.drives = drives = hand_layout(hand).drives
@@ -131,8 +128,12 @@ class HandPlant:
             return ""
         return DROPPED if self.gaps[sim].min() >= 0.0 else CONTACT_LOST
 
-    def at_rest(self, start: Start) -> Array:
+    def at_rest(self, plan: HandPlan) -> Array:
         """Joints (nq,) of the pose in which a plan begins."""
+        return self._joints(plan.start)
+
+    def _joints(self, start: Start) -> Array:
+        """Joints (nq,) of a pose at rest."""
         return joint_positions(
             self.hand, self.model, start.position, start.rotation, start.fingers,
             start.normal_forces,
@@ -144,8 +145,7 @@ class HandPlant:
         places = np.array([finger_home(hand, finger) for finger in hand.fingers])
         contacts = np.array([finger.contact for finger in hand.fingers])
         normal = -np.einsum("ij,ij->i", holding_forces(hand), contacts)
-        start = Start(np.array(hand.position), np.eye(3), places, normal)
-        return self.at_rest(start)
+        return self._joints(Start(np.array(hand.position), np.eye(3), places, normal))
 
     def _placed(self, joints: Array, scenario: HandScenario) -> Array:
         """Joints with the object misplaced, and fingers closed on it there."""
@@ -183,6 +183,7 @@ class HandPlant:
             body, model = self._object, self.model
             self._masses[sim, body] = scenario.mass * model.body_mass[body]
             self._inertias[sim, body] = scenario.mass * model.body_inertia[body]
+        scenario.disturb(self, sim)
 
     def _read(self) -> None:
         """Bring every attribute but `apart` up to date."""
@@ -217,8 +218,4 @@ class HandPlant:
 
 def _model(hand: Hand, timestep: float) -> mujoco.MjModel:
     """The hand's bare physics."""
-    leave_no_log()
-    scene = hand_spec(hand, replace(RECOMMENDED, timestep=timestep), visuals=False)
-    # A state that is not finite must show, not be replaced by the initial one without a word.
-    scene.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
-    return scene.compile()
+    return bare_model(hand_spec(hand, replace(RECOMMENDED, timestep=timestep), visuals=False))

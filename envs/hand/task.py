@@ -13,21 +13,21 @@ the distance is halved at 5 % of the object's radius, a turn counts times the ra
 
 from typing import Any
 
+import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from ...models.hand.hand import Hand, Tip
-from ...models.mjcf.hand_model import RECOMMENDED
+from ...models.mjcf.hand_model import RECOMMENDED, compile_hand
 from ...models.types import Array
-from ..crane.geometry import Scales
-from ..crane.tuning import Gains, Track
 from ..episodes import Task
-from ..option_checks import check_simple, substeps_of
-from ..rewards import NEAR, Reward
-from ..signals import Encoders, Rows
-from .disturbances import HandDisturbances, HandScenario, as_hand_disturbances
+from ..gains import Gains, Track
+from ..rewards import NEAR
+from ..sensing import Observation
+from .disturbances import HandDisturbances, HandScenario
 from .goals import HandPlanner, HandReference, as_hand
-from .observation import HandObservation, drive_names, pose_error
-from .plan import hand_layout
+from .observation import drive_names, observation_of, pose_error
+from .plan import HandPlan, hand_layout
 from .plant import HandPlant
 
 NEAR_SHARE = 0.05
@@ -36,7 +36,7 @@ SERVO = 0.2
 """Frequency of the critically damped PD controller times the control period."""
 
 
-class HandTask(Task):
+class HandTask(Task[HandPlan, HandScenario]):
     """n simulations of a hand whose object is to follow a plan.
 
     Parameters
@@ -70,7 +70,7 @@ class HandTask(Task):
         The hand cannot make the move.
     """
 
-    undisturbed = HandScenario()
+    plant: HandPlant
 
     def __init__(
         self,
@@ -86,27 +86,16 @@ class HandTask(Task):
         nthread: int | None = None,
     ) -> None:
         self.hand = hand = as_hand(hand)
-        check_simple(num, sensors, hold, nthread)
-        self.num = num = int(num)
-        self.sensors = sensors
-        self.all = np.arange(num, dtype=np.int32)
-        substeps = substeps_of(rate, timestep)
-        self.period = substeps * timestep
-        self.disturbances = as_hand_disturbances(disturbances, hand)
+        substeps = self._prepare(num, sensors, rate, timestep, hold, nthread)
+        self.disturbances = HandDisturbances.of(disturbances, hand)
         self.limits, self.inertias = _motors(hand)
         self.planner = HandPlanner(hand, reference, self.period, hold)
-        self.plant: HandPlant = HandPlant(
-            hand, num, timestep=timestep, substeps=substeps, nthread=nthread
+        self.plant = HandPlant(
+            hand, self.num, timestep=timestep, substeps=substeps, nthread=nthread
         )
-        self.rows = Rows(hand_layout(hand), num, self.planner.fixed)
-        self.encoders = Encoders(self.plant, self.period)
-        self._observation = HandObservation(self.plant, self.encoders, self.rows, sensors == "full")
-        weight = hand.held.mass * float(np.linalg.norm(hand.gravity))
-        scales = Scales(hand.held.radius * NEAR_SHARE / NEAR, 1.0, weight)
         # Half the squared difference of two rotation matrices is the squared angle, if small.
         levers = np.repeat((1.0, hand.held.radius / np.sqrt(2.0)), (3, 9))
-        self._reward = Reward(num, levers, len(self.limits), scales)
-        self._start()
+        self._start(hand_layout(hand), levers, hand.held.radius * NEAR_SHARE / NEAR)
 
     @property
     def action_names(self) -> tuple[str, ...]:
@@ -114,7 +103,7 @@ class HandTask(Task):
         return drive_names(self.hand)
 
     def gains(self, track: Track = "moving") -> Gains:
-        """Of a critically damped PD controller for what each motor moves by itself."""
+        """Gains of a critically damped PD controller for what each motor moves by itself."""
         frequency = SERVO / self.period
         return Gains(frequency**2 * self.inertias, 2.0 * frequency * self.inertias)
 
@@ -122,29 +111,26 @@ class HandTask(Task):
         """What the objects' poses are off the plan, (n, 6): in place [m], turned in space [rad]."""
         return pose_error(self.plant.outputs, self.rows.parts["outputs"])
 
-    def info(self) -> dict[str, Any]:
-        """The truth, for evaluation: arrays (n, ...) that are the caller's own."""
+    def looks(self) -> mujoco.MjModel:
+        """The model with everything that is drawn."""
+        return compile_hand(self.hand)
+
+    def _truth(self) -> dict[str, NDArray[Any]]:
         off, plant, planned = self.pose_errors(), self.plant, self.rows.parts["outputs"]
         shape = (self.num, 3, 3)
         return {
-            "object": plant.outputs[:, :3].copy(),
-            "rotation": plant.outputs[:, 3:].reshape(shape).copy(),
-            "reference": planned[:, :3].copy(),
-            "reference_rotation": planned[:, 3:].reshape(shape).copy(),
+            "object": plant.outputs[:, :3],
+            "rotation": plant.outputs[:, 3:].reshape(shape),
+            "reference": planned[:, :3],
+            "reference_rotation": planned[:, 3:].reshape(shape),
             "distance": np.linalg.norm(off[:, :3], axis=1),
             "turned": np.linalg.norm(off[:, 3:], axis=1),
             "touching": plant.gaps < 0.0,
-            "input": plant.ctrl.copy(),
-            "reward_terms": self._terms(),
+            "input": plant.ctrl,
         }
 
-    def info_of(self, sim: int) -> dict[str, Any]:
-        """The same of one simulation, numbers as plain numbers."""
-        info = {name: value for name, value in self.info().items() if name != "reward_terms"}
-        found = {name: value[sim] for name, value in info.items()}
-        found |= {name: float(found[name]) for name in ("distance", "turned")}
-        terms = {name: float(values[sim]) for name, values in self._terms().items()}
-        return found | {"reward_terms": terms}
+    def _make_observation(self) -> Observation:
+        return observation_of(self.plant, self.encoders, self.rows, self.sensors == "full")
 
 
 def _motors(hand: Hand) -> tuple[Array, Array]:

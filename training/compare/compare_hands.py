@@ -109,7 +109,7 @@ def main(command: options.Compare) -> None:
         for name in track(CONTROLLERS, "Driving", transient=True, console=console())
     ]
     write(folder, hand, runs, scenarios)
-    times = env.task.period * np.arange(1, len(runs[0].distance) + 1)
+    times = env.task.period * np.arange(1.0, len(runs[0].distance) + 1.0)
     names, distances = [run.name for run in runs], [run.distance for run in runs]
     words = _heading(hand, scenarios).replace("_", " ")
     figure = folder / "figure.png"
@@ -127,7 +127,7 @@ def drive(env: HandVectorEnv, name: str, scenarios: Sequence[HandScenario]) -> H
     zero, reasons, alive = np.zeros((num, len(task.limits))), [""] * num, np.ones(num, dtype=bool)
     last = task.plant.outputs.copy()
     distance, effort, lived = [], np.zeros(num), np.zeros(num)
-    rows, place = task.planner.fixed.rows, task.rows.parts["outputs"].shape[1]
+    rows, place = task.plans[0].rows, task.rows.parts["outputs"].shape[1]
     planned = rows[:, 2 * len(task.limits) :][:, :place]
     for row in planned[1:]:
         _, _, terminated, _, info = wrapped.step(zero)

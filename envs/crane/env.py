@@ -1,0 +1,38 @@
+"""Cranes with Gymnasium's `Env` and `VectorEnv` interfaces; see `flatrig.envs.crane.task`."""
+
+from typing import Any
+
+from ..task_env import TaskEnv
+from ..task_vector_env import TaskVectorEnv
+from .task import CraneTask
+
+
+class CraneEnv(TaskEnv[CraneTask]):
+    """A crane that is to follow a reference; `options` are those of `CraneTask`.
+
+    `reset(options={"scenario": Scenario(...), "reference": ...})` prescribes what would be drawn.
+    `info` tells the truth: "load", "reference", "tension", "input", "reward_terms", and in
+    "reason" why the episode is over.
+    """
+
+    def __init__(self, rig: Any = None, *, render_mode: str | None = None, **options: Any) -> None:
+        super().__init__(CraneTask(rig, num=1, **options), render_mode)
+
+
+class CraneVectorEnv(TaskVectorEnv[CraneTask]):
+    """n cranes that are to follow references; `options` are those of `CraneTask`.
+
+    A crane whose episode is over begins the next one in the following step, which ignores its
+    action and rewards it with 0 (autoreset mode NEXT_STEP).  Seeded with `seed`, crane i is the
+    single environment seeded with seed + i, to the last bit.
+
+    `reset(options={"scenarios": [...], "references": [...]})` prescribes, crane by crane, what
+    would be drawn; "reset_mask", n booleans, resets only some.
+    """
+
+    what = "cranes"
+
+    def __init__(
+        self, rig: Any = None, *, num_envs: int = 1, render_mode: str | None = None, **options: Any
+    ) -> None:
+        super().__init__(CraneTask(rig, num=num_envs, **options), render_mode)

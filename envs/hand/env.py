@@ -1,0 +1,37 @@
+"""Hands with Gymnasium's `Env` and `VectorEnv` interfaces; see `flatrig.envs.hand.task`.
+
+env = gym.make("flatrig/TwoFingerHand-v0", disturbances="standard", sensors="full")
+env = envs.PoseFeedback(envs.Feedforward(envs.PD(env)))
+env.reset(seed=0, options={"scenario": HandScenario(mass=1.2), "reference": HandMove(goal=...)})
+"""
+
+from typing import Any
+
+from ..task_env import TaskEnv
+from ..task_vector_env import TaskVectorEnv
+from .task import HandTask
+
+
+class HandEnv(TaskEnv[HandTask]):
+    """A hand that is to bring its object to a pose; `options` are those of `HandTask`.
+
+    `info` tells the truth: "object", "rotation", "reference", "reference_rotation", "distance",
+    "turned", "touching", "input", "reward_terms", and in "reason" why the episode is over.
+    """
+
+    def __init__(self, hand: Any, *, render_mode: str | None = None, **options: Any) -> None:
+        super().__init__(HandTask(hand, num=1, **options), render_mode)
+
+
+class HandVectorEnv(TaskVectorEnv[HandTask]):
+    """n hands; seeded with `seed`, hand i is the single environment seeded with seed + i.
+
+    Episodes begin and end as those of `CraneVectorEnv`.
+    """
+
+    what = "hands"
+
+    def __init__(
+        self, hand: Any, *, num_envs: int = 1, render_mode: str | None = None, **options: Any
+    ) -> None:
+        super().__init__(HandTask(hand, num=num_envs, **options), render_mode)

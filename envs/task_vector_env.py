@@ -1,0 +1,153 @@
+"""Many simulations with Gymnasium's `VectorEnv` interface, stepped together in C threads."""
+
+from collections.abc import Sequence
+from typing import Any, Generic
+
+import numpy as np
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import ArrayLike
+
+from ..models.errors import OptionError
+from ..models.types import Array, Mask
+from .common import Ids
+from .option_checks import check_options, seed_of
+from .rendering import Camera, check_mode
+from .spaces import action_space, observation_space
+from .task_env import TaskT
+
+OPTIONS = ("scenarios", "references", "reset_mask")
+
+
+class TaskVectorEnv(VectorEnv[Array, Any, Any], Generic[TaskT]):
+    """All simulations of a task, in autoreset mode NEXT_STEP.
+
+    A simulation whose episode is over begins the next one in the following step, which ignores its
+    action and rewards it with 0.  Seeded with `seed`, simulation i is the single environment seeded
+    with seed + i, to the last bit.
+
+    `reset(options={"scenarios": [...], "references": [...]})` prescribes, one by one, what would
+    be drawn; "reset_mask", n booleans, resets only some.
+    """
+
+    what = "simulations"
+    """What they are of, in messages."""
+
+    metadata = {  # noqa: RUF012 (Gymnasium's)
+        "render_modes": ["rgb_array"],
+        "render_fps": 50,
+        "autoreset_mode": AutoresetMode.NEXT_STEP,
+    }
+
+    def __init__(self, task: TaskT, render_mode: str | None = None) -> None:
+        self.task = task
+        self.num_envs = num_envs = task.num
+        self.render_mode = check_mode(render_mode, ("rgb_array",))
+        self.metadata = {**self.metadata, "render_fps": round(1.0 / task.period)}
+        self.single_observation_space = observation_space(task.observation_names)
+        self.single_action_space = action_space(task.action_names)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._generators = [seeding.np_random()[0] for _ in range(num_envs)]
+        self._over: Mask = np.zeros(num_envs, dtype=bool)
+        self._camera: Camera | None = None
+
+    @property
+    def observation_names(self) -> tuple[str, ...]:
+        """Names of the entries of an observation."""
+        return self.task.observation_names
+
+    @property
+    def action_names(self) -> tuple[str, ...]:
+        """Names of the entries of an action."""
+        return self.task.action_names
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[Array, dict[str, Any]]:
+        """Begin episodes; a number as `seed` means seed, seed + 1, ...
+
+        Raises
+        ------
+        OptionError
+            Seeds, a mask or a list are not one for each simulation, or the task refuses one.
+        """
+        options = check_options(options, OPTIONS)
+        mask = options.get("reset_mask")
+        chosen = np.ones(self.num_envs, dtype=bool) if mask is None else np.asarray(mask)
+        if chosen.shape != self._over.shape or chosen.dtype != bool:
+            raise OptionError(f"reset_mask is {mask!r}, it must be {self.num_envs} booleans")
+        prescribed = [self._each(name, options.get(name)) for name in OPTIONS[:2]]
+        seeds = self._seeds(seed)
+        ids = np.flatnonzero(chosen).astype(np.int32)
+        for sim in ids.tolist():
+            if seeds[sim] is not None:
+                self._generators[sim] = seeding.np_random(seeds[sim])[0]
+        self._begin(ids, *prescribed)
+        info = self.task.info()
+        info["reason"] = np.full(self.num_envs, "", dtype=object)
+        info["scenario"] = list(self.task.scenarios)
+        return self.task.observation(), info
+
+    def step(self, actions: ArrayLike) -> tuple[Array, Array, Mask, Mask, dict[str, Any]]:
+        """Hold inputs, `actions` (n, drives) times their limits, over one control period."""
+        task = self.task
+        ids = None
+        if self._over.any():
+            ids = np.flatnonzero(~self._over).astype(np.int32)
+        outcome = task.step(actions, ids)
+        if ids is not None:
+            self._begin(np.flatnonzero(self._over).astype(np.int32))
+        self._over = outcome.terminated | outcome.truncated
+        info = task.info()
+        if ids is not None:
+            info["scenario"] = list(task.scenarios)
+        info["reason"] = np.array(outcome.reasons, dtype=object)
+        return task.observation(), outcome.reward, outcome.terminated, outcome.truncated, info
+
+    def render(self) -> Any:
+        """A tuple with a picture (height, width, 3) of bytes for each simulation."""
+        if self.render_mode is None:
+            return None
+        if self._camera is None:
+            self._camera = Camera(self.task.looks(), self.render_mode)
+        return tuple(self._camera.show(joints) for joints in self.task.plant.qpos)
+
+    def close_extras(self, **options: Any) -> None:
+        """Give back the renderer, if there is one."""
+        if self._camera is not None:
+            self._camera.close()
+            self._camera = None
+
+    def _seeds(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
+        """A seed or None for each simulation."""
+        if isinstance(seed, int | np.integer):
+            first = seed_of(seed)
+            assert first is not None
+            return [first + sim for sim in range(self.num_envs)]
+        return [seed_of(value) for value in self._each("seed", seed)]
+
+    def _each(self, name: str, values: Any) -> list[Any]:
+        """A value for each simulation; None where there is none."""
+        try:
+            entries = [None] * self.num_envs if values is None else list(values)
+        except TypeError:
+            raise OptionError(
+                f"{name} is {values!r}, it must be one for each of the {self.what}"
+            ) from None
+        if len(entries) != self.num_envs:
+            raise OptionError(f"{name} has {len(entries)} entries for {self.num_envs} {self.what}")
+        return entries
+
+    def _begin(self, ids: Ids, *prescribed: list[Any]) -> None:
+        """Reset some simulations, with scenarios and references of all, if any."""
+        if ids.size == 0:
+            return
+        chosen = ids.tolist()
+        values = [[entries[sim] for sim in chosen] for entries in prescribed]
+        self.task.reset(ids, [self._generators[sim] for sim in chosen], *values)
+        self._over[ids] = False
