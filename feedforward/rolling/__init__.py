@@ -14,11 +14,11 @@ from .classification import Classification, classify, table
 from .cones import in_cones
 from .grasp import ContactForces, Outside, grasp_matrix, least_norm, wrench
 from .hand_motion import HandMotion
+from .hand_plan import HandPlan, plan_hand
 from .joints import JointForces, joint_forces
 from .kinematics import Rolling, constraint_matrix
 from .limits import check_limits
 from .overview import report
-from .planning import HandPlan, plan_hand
 from .reintegration import Replay, Residuals, replay, residuals
 
 __all__ = [

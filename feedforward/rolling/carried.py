@@ -13,7 +13,8 @@ from .kinematics import cross_matrix, projector
 from .progress import share
 
 TOLERANCE = 1e-9
-"""[m]"""
+"""Part of a shift that may get lost [m], and singular value of the plates' constraints that counts
+as zero: both are rounding of numbers of order one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,11 +22,13 @@ class Carried:
     """The centre's velocity is free @ (a velocity one chooses) + rolled @ (angular velocity)."""
 
     hand: Hand
+    """The hand."""
     move: HandMove
+    """The move, whose shift is the part that one chooses."""
     free: Array
     """Projector on the directions one chooses, (3, 3)."""
     rolled: Array
-    """[m], (3, 3)."""
+    """Velocity of the centre for each angular velocity of the object [m], (3, 3)."""
 
     def position(self, times: Array, swept: Array) -> Array:
         """Series (orders, N, 3), with the series of W, the integral of the angular velocity."""
@@ -59,17 +62,17 @@ def carried_by(hand: Hand, move: HandMove) -> Carried:
             for finger in fingers
             if isinstance(finger.surface, Plate)
         ] or [(np.zeros((3, 3)), np.zeros((3, 3)))]
-        left = np.vstack([stop for stop, _ in blocked])
-        right = radius * np.vstack([stop @ turn for stop, turn in blocked])
-        inverse = np.linalg.pinv(left, rcond=TOLERANCE)
-        free, rolled = np.eye(3) - inverse @ left, inverse @ right
+        stops = np.vstack([stop for stop, _ in blocked])
+        turns = radius * np.vstack([stop @ turn for stop, turn in blocked])
+        inverse = np.linalg.pinv(stops, rcond=TOLERANCE)
+        free, rolled = np.eye(3) - inverse @ stops, inverse @ turns
     if hand.planar:
         free = free @ np.diag([1.0, 0.0, 1.0])
     lost = np.array(move.shift) - free @ np.array(move.shift)
     if np.abs(lost).max() > TOLERANCE:
-        given = ", ".join(f"{value:.4g}" for value in lost)
+        amount = ", ".join(f"{value:.4g}" for value in lost)
         raise PathError(
-            f"hand {hand.name} cannot shift the object by ({given}) m of the move's shift: there "
+            f"hand {hand.name} cannot shift the object by ({amount}) m of the move's shift: there "
             "rolling decides where it goes; leave that part out"
         )
     return Carried(hand, move, free, rolled)

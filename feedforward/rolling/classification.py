@@ -25,9 +25,9 @@ from .kinematics import Rolling
 Answer = Literal["yes", "no", "?"]
 
 STATES = 3
-"""Random states at which ranks are taken."""
+"""Random states at which ranks are taken: one might lie where a rank is smaller by chance."""
 RANK_TOLERANCE = 1e-9
-"""Relative to the largest singular value."""
+"""Singular values below this share of the largest count as zero; rounding leaves some 1e-15."""
 
 
 @dataclass(frozen=True)
@@ -35,19 +35,23 @@ class Classification:
     """A row of K's table 2.1 with its reasons."""
 
     hand: str
+    """Name of the hand."""
     dimension: int
-    """n, of the states that can be reached."""
+    """Dimension n of the states that can be reached."""
     inputs: int
-    """m, generalized velocities."""
+    """Number m of the generalized velocities."""
     constraints: int
-    """Velocity constraints on the states before any is integrated."""
+    """Number of velocity constraints on the states before any is integrated."""
     growth: tuple[int, ...]
     """Dimensions of D0, D1, ... until they stay."""
     holonomic: bool
+    """Whether all constraints can be integrated."""
     flat: Answer
+    """Whether the kinematics are flat."""
     liouvillian: Answer
+    """Whether they are Liouvillian."""
     reasons: tuple[str, str, str]
-    """For holonomy, flatness and the Liouvillian property, in this order."""
+    """Reasons for holonomy, flatness and the Liouvillian property, in this order."""
 
     @property
     def derived_flag(self) -> tuple[int, ...]:
@@ -66,7 +70,7 @@ class Classification:
 
 
 def _rank(vectors: Array) -> int:
-    """Of vectors (count, size)."""
+    """Rank of vectors (count, size)."""
     return int(np.linalg.matrix_rank(vectors, tol=RANK_TOLERANCE * max(np.abs(vectors).max(), 1)))
 
 
@@ -77,19 +81,23 @@ def random_state(rolling: Rolling, random: np.random.Generator) -> Array:
         rotation = Rotation.from_rotvec([0.0, random.uniform(-3, 3), 0.0]).as_matrix()
     else:
         rotation = Rotation.random(rng=random).as_matrix()
-    others = {}
-    for name in rolling.blocks:
-        if name.startswith("e."):
-            direction = random.standard_normal(3) * ((1, 0, 1) if hand.planar else (1, 1, 1))
-            others[name] = direction / np.linalg.norm(direction)
-    return rolling.state(rotation, random.standard_normal(3), **others)
+    directions = {}
+    for finger in _with_tips(hand):
+        direction = random.standard_normal(3) * ((1, 0, 1) if hand.planar else (1, 1, 1))
+        directions[f"e.{finger.name}"] = direction / np.linalg.norm(direction)
+    return rolling.state(rotation, random.standard_normal(3), **directions)
+
+
+def _with_tips(hand: Hand) -> list[Finger]:
+    """Fingers whose contact moves over a round tip."""
+    return [finger for finger in hand.fingers if isinstance(finger.surface, Tip)]
 
 
 def _independent(matrices: Array) -> Array:
     """Orthonormal matrices that span what the given ones (count, size, size) do."""
     _, sizes, right = np.linalg.svd(matrices.reshape(len(matrices), -1), full_matrices=False)
-    kept = right[sizes > RANK_TOLERANCE * sizes[0]]
-    return np.asarray(kept.reshape(-1, *matrices.shape[1:]))
+    basis = right[sizes > RANK_TOLERANCE * sizes[0]]
+    return np.asarray(basis.reshape(-1, *matrices.shape[1:]))
 
 
 def growth(rolling: Rolling, seed: int = 0) -> tuple[int, ...]:
@@ -112,17 +120,9 @@ def growth(rolling: Rolling, seed: int = 0) -> tuple[int, ...]:
 
 def _states_before(rolling: Rolling) -> int:
     """Dimension of the states before constraints are integrated."""
-    planar = rolling.hand.planar
-    sizes = {"p": 2 if planar else 3, "c": 1 if planar else 2, "e": 1 if planar else 2}
-    turns = {
-        f"q.{finger.name}": len(finger.surface.axes)
-        for finger in rolling.hand.fingers
-        if isinstance(finger.surface, Tip)
-    }
-    count = 1 if planar else 3
-    for name in rolling.blocks:
-        count += turns[name] if name.startswith("q.") else sizes.get(name[0], 0)
-    return count
+    pose, contact = (3, 1) if rolling.hand.planar else (6, 2)
+    tips = [finger.surface for finger in rolling.hand.fingers if isinstance(finger.surface, Tip)]
+    return pose + contact * len(rolling.hand.fingers) + sum(len(tip.axes) for tip in tips)
 
 
 def _flat(rolling: Rolling, sizes: tuple[int, ...]) -> tuple[Answer, str]:
@@ -134,10 +134,10 @@ def _flat(rolling: Rolling, sizes: tuple[int, ...]) -> tuple[Answer, str]:
     if len(sizes) == 1:
         return "yes", "holonomic: the inputs are the rates of as many coordinates"
     if inputs == 2:
-        flag, wanted = tuple(n - size for size in sizes), tuple(range(n - 2, -1, -1))
-        if flag == wanted:
+        flag, chain = tuple(n - size for size in sizes), tuple(range(n - 2, -1, -1))
+        if flag == chain:
             return "yes", f"two inputs and derived flag {flag} as in K's theorem 1"
-        return "no", f"two inputs, derived flag {flag} instead of {wanted} (K theorem 1)"
+        return "no", f"two inputs, derived flag {flag} instead of {chain} (K theorem 1)"
     if n <= inputs + 2:
         return "yes", f"{n} states are at most two more than {inputs} inputs (K remark 11)"
     return "?", f"{n} states exceed {inputs} inputs by {n - inputs}: no criterion is known"
@@ -158,23 +158,24 @@ def _liouvillian(rolling: Rolling, flat: Answer) -> tuple[Answer, str]:
     rows = {name: velocities[:, place] for name, place in rolling.blocks.items()}
     turning = np.concatenate([rows[name] for name in ("r0", "r1", "r2")], axis=1)
     outputs = [turning if _rank(turning) == 3 else rows["r0"]]
-    wanted = min(_rank(turning), 3)
-    tips = [name for name in rows if name.startswith("e.")]
-    outputs += [rows[name] for name in tips]
-    wanted += 2 * len(tips)
-    if _rank(np.concatenate(outputs, axis=1)) < wanted:
+    tips = _with_tips(rolling.hand)
+    outputs += [rows[f"e.{finger.name}"] for finger in tips]
+    freedoms = min(_rank(turning), 3) + 2 * len(tips)
+    if _rank(np.concatenate(outputs, axis=1)) < freedoms:
         return "?", "the contacts on the tips cannot be chosen freely beside the orientation"
     whole = _rank(turning) == 3
-    named = ["orientation" if whole else "two of the RPY angles"]
-    named += ["contact points on the object"] if tips else []
-    named += ["free motion of the centre"] if m > wanted else []
-    rest = [] if whole else ["the third RPY angle"]
-    words = {"c": "contact points on plates", "q": "turns of the tips"}
-    rest += [word for key, word in words.items() if any(name[0] == key for name in rows)]
-    return "yes", f"outputs: {', '.join(named)}; integrals: {', '.join(rest)}"
+    chosen = ["orientation" if whole else "two of the RPY angles"]
+    chosen += ["contact points on the object"] if tips else []
+    chosen += ["free motion of the centre"] if m > freedoms else []
+    integrals = [] if whole else ["the third RPY angle"]
+    plates = len(tips) < len(rolling.hand.fingers)
+    integrals += ["contact points on plates"] if plates else []
+    integrals += ["turns of the tips"] if any(f"q.{finger.name}" in rows for finger in tips) else []
+    return "yes", f"outputs: {', '.join(chosen)}; integrals: {', '.join(integrals)}"
 
 
 def _in_radii(finger: Finger, radius: float) -> Finger:
+    """The finger with its tip's radius measured by that of the object."""
     if isinstance(finger.surface, Plate):
         return finger
     return replace(finger, surface=replace(finger.surface, radius=finger.surface.radius / radius))
@@ -188,19 +189,19 @@ def classify(hand: Hand) -> Classification:
     RigError
         See `Rolling`.
     """
-    # lengths in radii of the object, so that no size makes a rank small
-    tips = [_in_radii(finger, hand.held.radius) for finger in hand.fingers]
-    rolling = Rolling.of(replace(hand, held=replace(hand.held, radius=1.0), fingers=tuple(tips)))
+    # Lengths in radii of the object, so that no size makes a rank small.
+    fingers = tuple(_in_radii(finger, hand.held.radius) for finger in hand.fingers)
+    rolling = Rolling.of(replace(hand, held=replace(hand.held, radius=1.0), fingers=fingers))
     sizes = growth(rolling)
     n, m, before = sizes[-1], sizes[0], _states_before(rolling)
     flat, why_flat = _flat(rolling, sizes)
     liouvillian, why_liouvillian = _liouvillian(rolling, flat)
-    left = before - m - (before - n)
+    remaining = n - m
     whole = f"{before - n} of {before - m} rolling constraints integrate"
-    why = whole if left == 0 else f"{whole}, {left} do not"
+    why = whole if remaining == 0 else f"{whole}, {remaining} do not"
     return Classification(
         hand.name if hand.spin else f"{hand.name} without spin",
-        n, m, before - m, sizes, left == 0, flat, liouvillian,
+        n, m, before - m, sizes, remaining == 0, flat, liouvillian,
         (why, why_flat, why_liouvillian),
     )  # fmt: skip
 

@@ -18,12 +18,12 @@ from .grasp import OUTSIDE, ContactForces, split, weight_of
 from .hand_motion import HandMotion
 
 PENALTY = 1e5
-"""Of leaving a cone, against the internal forces, in units of the weight or of what presses; forces
+"""Cost of leaving a cone against that of the internal forces, both in units of `weight_of`; forces
 that only just fit need a large one."""
 TOLERANCE = 1e-11
-"""Of the solver."""
+"""Gap and feasibility at which the solver ends, far below `OUTSIDE`."""
 LARGEST_FRICTION = 1e3
-"""That is made use of; with more the solver loses its accuracy and forces hardly change."""
+"""Largest friction made use of; with more the solver loses accuracy and forces hardly change."""
 
 
 def in_cones(motion: HandMotion, margin: float = 0.2, press: float = 0.05) -> ContactForces:
@@ -55,9 +55,8 @@ def in_cones(motion: HandMotion, margin: float = 0.2, press: float = 0.05) -> Co
     friction = min(motion.hand.friction * (1.0 - margin), LARGEST_FRICTION)
     solution, beyond = _solve(motion, start / unit, internal, friction, least / unit)
     forces = ContactForces(motion, (unit * solution).reshape(motion.normals.shape))
-    wrong = (beyond > OUTSIDE).any(axis=1)
-    if wrong.any():
-        i = int(np.flatnonzero(wrong)[np.argmin(motion.times[wrong])])
+    i = motion.earliest((beyond > OUTSIDE).any(axis=1))
+    if i is not None:
         k = int(beyond[i].argmax())
         raise PathError(
             f"hand {motion.hand.name} cannot make the motion from t = {motion.times[i]:.4g} s on: "

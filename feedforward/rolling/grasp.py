@@ -20,19 +20,20 @@ from .hand_motion import HandMotion
 from .kinematics import cross_matrix
 
 RANK_TOLERANCE = 1e-9
-"""Of singular values of B, moments divided by the object's radius."""
+"""Singular values of B below this count as zero, moments divided by the object's radius."""
 UNBALANCED = 1e-8
-"""Of the weight: what may be left over through rounding."""
+"""Share of the weight that may be left over through rounding."""
 OUTSIDE = 1e-6
-"""Of the weight: how far forces may leave the cones through the solver's tolerance."""
+"""Share of the weight by which forces may leave the cones through the solver's tolerance."""
 
 
 class Outside(NamedTuple):
     """How a finger's force leaves its friction cone, of all fingers the first to do so."""
 
     finger: str
+    """Name of the finger."""
     time: float
-    """When first [s]."""
+    """Time of the first instant outside [s]."""
     excess: float
     """Largest tangential force beyond what friction allows [N]."""
     normal: float
@@ -51,8 +52,9 @@ class ContactForces:
     """Forces of the fingers on the object along a motion."""
 
     motion: HandMotion
+    """The motion that the forces make."""
     values: Array
-    """In space [N], shape (N, fingers, 3)."""
+    """Forces in axes fixed in space [N], shape (N, fingers, 3)."""
 
     @property
     def normal(self) -> Array:
@@ -61,7 +63,7 @@ class ContactForces:
 
     @property
     def tangential(self) -> Array:
-        """Size of the rest [N], shape (N, fingers)."""
+        """Size of the tangential force of each finger [N], shape (N, fingers)."""
         rest = self.values + self.normal[..., None] * self.motion.normals
         return np.asarray(np.linalg.norm(rest, axis=-1))
 
@@ -73,7 +75,10 @@ class ContactForces:
 
     @property
     def cosines(self) -> Array:
-        """Of the angles between forces and outward normals, (N, fingers): < 0 presses (K 2.19)."""
+        """Cosines of the angles between forces and outward normals (K 2.19); below 0 it presses.
+
+        Shape (N, fingers).
+        """
         sizes = np.linalg.norm(self.values, axis=-1)
         return np.asarray(-self.normal / np.where(sizes > 0, sizes, 1.0))
 
@@ -82,10 +87,9 @@ class ContactForces:
         """Where the forces first leave the friction cones, as far as the samples show it."""
         excess = self.tangential - self.motion.hand.friction * self.normal
         least = OUTSIDE * weight_of(self.motion)
-        wrong = (excess > least).any(axis=1)
-        if not wrong.any():
+        i = self.motion.earliest((excess > least).any(axis=1))
+        if i is None:
             return None
-        i = int(np.flatnonzero(wrong)[np.argmin(self.motion.times[wrong])])
         k = int(excess[i].argmax())
         name = self.motion.hand.finger_names[k]
         time, normal = float(self.motion.times[i]), float(self.normal[:, k].min())
@@ -138,10 +142,10 @@ def split(motion: HandMotion) -> tuple[Array, Array]:
     count = sizes.shape[1]
     along = np.einsum("nij,ni->nj", u, right)[:, :count]
     forces = np.einsum("nkj,nk->nj", vt[:, :count], gain * along)
-    left = right - np.einsum("nij,nj->ni", matrix, forces)
-    worst = np.abs(left).max(axis=1)
+    error = right - np.einsum("nij,nj->ni", matrix, forces)
+    worst = np.abs(error).max(axis=1)
     if worst.max(initial=0.0) > UNBALANCED * weight_of(motion):
-        raise _unbalanced(motion, left, worst)
+        raise _unbalanced(motion, error, worst)
     null = vt.copy()
     null[:, :count][~weak] = 0.0
     if motion.hand.planar:
@@ -150,13 +154,14 @@ def split(motion: HandMotion) -> tuple[Array, Array]:
     return forces, null[:, used].swapaxes(1, 2)
 
 
-def _unbalanced(motion: HandMotion, left: Array, worst: Array) -> PathError:
+def _unbalanced(motion: HandMotion, error: Array, worst: Array) -> PathError:
+    """The refusal of a wrench that the contacts cannot give, with the largest part of it."""
     start = motion.times[(worst > UNBALANCED * weight_of(motion)).argmax()]
     i = int(worst.argmax())
-    force, moment = left[i, :3], left[i, 3:] * motion.hand.held.radius
+    force, moment = error[i, :3], error[i, 3:] * motion.hand.held.radius
     what = f"a moment of {np.linalg.norm(moment):.3g} N m"
     axis = moment / max(float(np.linalg.norm(moment)), 1e-300)
-    if np.linalg.norm(force) > np.linalg.norm(left[i, 3:]):
+    if np.linalg.norm(force) > np.linalg.norm(error[i, 3:]):
         what, axis = f"a force of {np.linalg.norm(force):.3g} N", force / np.linalg.norm(force)
     words = ", ".join(f"{value:.2g}" for value in axis + 0.0)
     fingers = " and ".join(motion.hand.finger_names)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...models.files import replacing
 from ...models.hand.hand import Hand
@@ -22,33 +23,35 @@ class HandMotion:
     """
 
     hand: Hand
+    """The hand that moves."""
     move: HandMove
+    """The move that was planned."""
     times: Array
-    """[s], shape (N,)."""
+    """Instants [s], shape (N,)."""
     position: Array
-    """Of the object's centre [m], shape (N, 3)."""
+    """Position of the object's centre [m], shape (N, 3)."""
     velocity: Array
-    """[m/s], shape (N, 3)."""
+    """Velocity of the object's centre [m/s], shape (N, 3)."""
     acceleration: Array
-    """[m/s2], shape (N, 3)."""
+    """Acceleration of the object's centre [m/s^2], shape (N, 3)."""
     rotation: Array
-    """Of the object, columns its axes, shape (N, 3, 3)."""
+    """Rotation matrix of the object, whose columns are its axes, shape (N, 3, 3)."""
     angular_velocity: Array
-    """[rad/s], shape (N, 3)."""
+    """Angular velocity of the object [rad/s], shape (N, 3)."""
     angular_acceleration: Array
-    """[rad/s2], shape (N, 3)."""
+    """Angular acceleration of the object [rad/s^2], shape (N, 3)."""
     normals: Array
-    """From the object's centre to each contact, unit vectors."""
+    """Unit vectors from the object's centre to each contact."""
     finger_positions: Array
-    """Of plates' middles and tips' centres [m]."""
+    """Positions of the plates' middles and the tips' centres [m]."""
     finger_velocities: Array
-    """[m/s]"""
+    """Their velocities [m/s]."""
     finger_accelerations: Array
-    """[m/s2]"""
+    """Their accelerations [m/s^2]."""
     tip_velocities: Array
     """Angular velocities of tips [rad/s]; zero for plates and fixed tips."""
     tip_accelerations: Array
-    """Their rates [rad/s2]."""
+    """Angular accelerations of tips [rad/s^2]."""
     tip_turns: Array
     """Angular velocities of tips integrated over time, axis by axis [rad] (K's q4, q5)."""
     quadrature_error: float
@@ -59,20 +62,24 @@ class HandMotion:
     @property
     def rpy(self) -> Array:
         """(phi, theta, psi) of the object [rad], phi and psi continuous in time, shape (N, 3)."""
-        angles = rpy_angles(self.rotation)
+        return self._continuous(rpy_angles(self.rotation))
+
+    @property
+    def angle(self) -> Array:
+        """Angle of a planar hand's object, positive from x to z [rad], shape (N,)."""
+        return self._continuous(np.arctan2(self.rotation[:, 2, 0], self.rotation[:, 0, 0]))
+
+    def _continuous(self, angles: Array) -> Array:
+        """Angles (N, ...) without jumps of a whole turn from each instant to the next."""
         order = np.argsort(self.times, kind="stable")
         result = np.empty_like(angles)
         result[order] = np.unwrap(angles[order], axis=0)
         return result
 
-    @property
-    def angle(self) -> Array:
-        """Of a planar hand's object, positive from x to z [rad], shape (N,)."""
-        order = np.argsort(self.times, kind="stable")
-        result = np.empty(len(order))
-        turned = np.arctan2(self.rotation[:, 2, 0], self.rotation[:, 0, 0])
-        result[order] = np.unwrap(turned[order])
-        return result
+    def earliest(self, wrong: ArrayLike) -> int | None:
+        """Index of the earliest instant at which something is wrong (N,), None if nowhere."""
+        indices = np.flatnonzero(wrong)
+        return int(indices[np.argmin(self.times[indices])]) if len(indices) else None
 
     @property
     def contacts(self) -> Array:
@@ -81,18 +88,18 @@ class HandMotion:
 
     @property
     def contacts_on_object(self) -> Array:
-        """In the object's axes, from its centre [m]."""
+        """Contact points from the object's centre, in its axes [m]."""
         turned = np.einsum("nji,nfj->nfi", self.rotation, self.normals)
         return np.asarray(self.hand.held.radius * turned)
 
     @property
     def contacts_on_fingers(self) -> Array:
-        """From each finger's position, in axes that do not turn with a tip [m]."""
+        """Contact points from each finger's position, in axes that do not turn with a tip [m]."""
         return self.contacts - self.finger_positions
 
     @property
     def column_names(self) -> tuple[str, ...]:
-        """Columns of `table`."""
+        """Names of the columns of `table`."""
         names = ["time"]
         for part in ("object", "object.v", "object.a"):
             names += [f"{part}.{axis}" for axis in AXES]

@@ -16,9 +16,9 @@ class JointForces(NamedTuple):
     names: tuple[str, ...]
     """"FINGER.slideK", then "FINGER.turnK" for the axes of its tip, finger by finger."""
     values: Array
-    """Shape (N, names)."""
+    """Forces and torques [N, N m], shape (N, names)."""
     limits: Array
-    """Of the motors, shape (names,)."""
+    """Limits of the motors [N, N m], shape (names,)."""
     units: tuple[str, ...]
     """[N] of a slide, [N m] of a turn."""
 

@@ -28,7 +28,7 @@ from ...models.hand.hand import Hand, Plate, Tip
 from ...models.types import Array
 
 TOLERANCE = 1e-9
-"""Below which a pivot of a constraint of numbers of order one counts as zero."""
+"""Pivots and singular values below this count as zero; constraints have numbers of order one."""
 
 
 def cross_matrix(vector: Array) -> Array:
@@ -37,7 +37,7 @@ def cross_matrix(vector: Array) -> Array:
 
 
 def projector(directions: tuple[tuple[float, float, float], ...]) -> Array:
-    """Onto the span of directions, shape (3, 3)."""
+    """Projector onto the span of directions, shape (3, 3)."""
     if not directions:
         return np.zeros((3, 3))
     columns = np.array(directions).T
@@ -133,8 +133,9 @@ class Rolling:
     """
 
     hand: Hand
+    """The hand."""
     basis: Array
-    """From the inputs to (p', w, angular velocities of the tips), (6 + 3 fingers, inputs)."""
+    """Matrix from the inputs to p', w and the tips' angular velocities, (6 + 3 fingers, inputs)."""
     input_names: tuple[str, ...]
     """"p.x" [m/s] of the centre, "w.x" [rad/s] of the object, "NAME.w.x" of a tip, ..."""
 

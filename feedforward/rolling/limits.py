@@ -14,19 +14,21 @@ from .hand_motion import HandMotion
 from .kinematics import projector, spin_direction
 
 ROUNDING = 1e-9
-"""[m], [rad] or [rad/s] that are not worth a refusal."""
+"""Excess [m], [rad] or [rad/s] that is rounding of the plan, not worth a refusal."""
 LEAST_LIFT = math.radians(5.0)
-"""Between a contact normal and the plane of two turning axes; nearer, tips have to turn fast."""
+"""Least angle between a contact normal and the plane of two turning axes [rad]; nearer, tips have
+to turn fast: the spin that they need grows like one over its sine."""
 
 
 class Fault(NamedTuple):
     """How far a limit is overstepped at N instants, and how to say so."""
 
     excess: Array
-    """(N,), wrong where > 0."""
+    """Excess over the limit, wrong where above 0, shape (N,)."""
     words: str
-    """With {} for the largest excess in `unit`."""
+    """The fault in words, with {} for the largest excess in `unit`."""
     unit: float = 1.0
+    """Unit in which the words tell the excess."""
 
 
 def check_limits(motion: HandMotion) -> None:
@@ -39,10 +41,10 @@ def check_limits(motion: HandMotion) -> None:
     """
     first: tuple[float, str] | None = None
     for fault in _faults(motion):
-        wrong = ~(fault.excess <= ROUNDING)
-        if not wrong.any():
+        wrong = ~(fault.excess <= ROUNDING)  # what is not a number is wrong too
+        i = motion.earliest(wrong)
+        if i is None:
             continue
-        i = int(np.flatnonzero(wrong)[np.argmin(motion.times[wrong])])
         time = float(motion.times[i])
         if first is None or time < first[0]:
             worst = fault.excess[wrong].max() / fault.unit
@@ -66,8 +68,8 @@ def _faults(motion: HandMotion) -> Iterator[Fault]:
         )
     for i, finger in enumerate(hand.fingers):
         yield from _of_finger(motion, i, finger)
-    for (i, one), (k, other) in permutations(enumerate(hand.fingers), 2):
-        fault = _between(motion, i, one, k, other)
+    for i, k in permutations(range(len(hand.fingers)), 2):
+        fault = _between(motion, i, k)
         if fault is not None:
             yield fault
 
@@ -105,22 +107,23 @@ def _of_finger(motion: HandMotion, i: int, finger: Finger) -> Iterator[Fault]:
         )
 
 
-def _between(motion: HandMotion, i: int, one: Finger, k: int, other: Finger) -> Fault | None:
-    """Whether a finger is in another's space."""
+def _between(motion: HandMotion, i: int, k: int) -> Fault | None:
+    """How far finger i is in the space of finger k; None if the pair is looked at elsewhere."""
+    finger, other = motion.hand.fingers[i], motion.hand.fingers[k]
     apart = motion.finger_positions[:, i] - motion.finger_positions[:, k]
-    if isinstance(one.surface, Tip) and isinstance(other.surface, Tip):
-        near = one.surface.radius + other.surface.radius
+    if isinstance(finger.surface, Tip) and isinstance(other.surface, Tip):
+        near = finger.surface.radius + other.surface.radius
         return None if i > k else Fault(
             near - np.linalg.norm(apart, axis=1),
-            f"fingers {one.name} and {other.name} would be {{}} mm inside each other",
+            f"fingers {finger.name} and {other.name} would be {{}} mm inside each other",
             1e-3,
         )  # fmt: skip
     if not isinstance(other.surface, Plate):
         return None
     normal = np.array(other.surface.normal)
-    if isinstance(one.surface, Tip):
-        depth, what = one.surface.radius - apart @ normal, f"finger {one.name}"
+    if isinstance(finger.surface, Tip):
+        depth, what = finger.surface.radius - apart @ normal, f"finger {finger.name}"
     else:
         contact = motion.contacts[:, i] - motion.finger_positions[:, k]
-        depth, what = -(contact @ normal), f"the contact of finger {one.name}"
+        depth, what = -(contact @ normal), f"the contact of finger {finger.name}"
     return Fault(depth, f"{what} would be {{}} mm behind the plate of finger {other.name}", 1e-3)

@@ -26,7 +26,7 @@ class Turning(Protocol):
 
     @property
     def note(self) -> str:
-        """What the path did beyond its recipe; empty if nothing."""
+        """How the path departs from its recipe; empty if it does not."""
 
     def rotation(self, times: Array) -> Array:
         """Taylor series of the rotation, shape (ORDERS, N, 3, 3)."""
@@ -70,8 +70,10 @@ class AboutAxis:
         return self.turned(times, 1.0) @ rotation_of(self.move.start)
 
 
-def turned_by(rotation: Array, constant: Array) -> Array:
-    """Series of a rotation times a constant one."""
+def in_axes(rotation: Array, axes: Axes | None) -> Array:
+    """Series of a rotation times the constant one of other axes of the object, if any."""
+    if axes is None:
+        return rotation
     series = np.zeros((ORDERS, 1, 3, 3))
-    series[0] = constant
+    series[0] = axes
     return matmul(rotation, series)

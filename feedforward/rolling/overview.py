@@ -13,10 +13,11 @@ from ...models.hand.hand import Hand
 from ...models.hand.move import HandMove
 from .cones import in_cones
 from .grasp import ContactForces, least_norm
-from .planning import plan_hand
+from .hand_plan import plan_hand
 from .reintegration import replay, residuals
 
 SAMPLES = 401
+"""Instants at which a plan is looked at."""
 
 
 def _use(forces: ContactForces) -> str:

@@ -7,9 +7,9 @@ import numpy as np
 from ...models.types import Array
 
 PANELS = 32
-"""At least, over a whole motion."""
+"""Least number of panels over a whole motion."""
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
-"""Of Gauss's rule on a panel, exact for polynomials of degree 15."""
+"""Gauss's rule of eight nodes on a panel, exact for polynomials of degree 15."""
 
 
 def integrate(

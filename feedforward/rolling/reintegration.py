@@ -9,27 +9,27 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ...models.hand.hand import Plate, Tip
+from ...models.hand.hand import Plate
 from ...models.types import Array
 from .hand_motion import HandMotion
+from .hand_plan import HandPlan
 from .kinematics import Rolling, constraint_matrix
-from .planning import HandPlan
 
 STEPS = 2000
-"""Of the integration, whose own error is then far below 1e-8 rad for a few turns."""
+"""Steps of the integration, whose own error is then far below 1e-8 rad for a few turns."""
 
 
 class Residuals(NamedTuple):
     """Largest violation of each kind of constraint over a motion."""
 
     surface: float
-    """Contact points off the object or off their finger's surface (K 2.3 to 2.5) [m]."""
+    """Distance of contact points from the object or their finger's surface (K 2.3 to 2.5) [m]."""
     tangency: float
-    """Normals of the two surfaces not opposite to each other (K 2.6)."""
+    """Difference of one surface's normal from the other's opposite (K 2.6)."""
     slides: float
-    """Fingers off their slides, seen from the first instant [m]."""
+    """Distance of fingers from their slides, seen from the first instant [m]."""
     rolling: float
-    """Of velocities: rolling, slides, axes, excluded spin (K 2.8, 2.14, 2.58) [m/s] or [rad/s]."""
+    """Velocity against rolling, slides, axes, excluded spin (K 2.8, 2.14, 2.58) [m/s or rad/s]."""
 
 
 def residuals(motion: HandMotion) -> Residuals:
@@ -55,6 +55,7 @@ def residuals(motion: HandMotion) -> Residuals:
 
 
 def _rolling(motion: HandMotion) -> float:
+    """See `Residuals.rolling`."""
     count = len(motion.times)
     velocities = np.concatenate(
         (
@@ -75,11 +76,11 @@ class Replay(NamedTuple):
     """How far the driftless system ends from the plan."""
 
     orientation: float
-    """Angle [rad]."""
+    """Angle between the two orientations at the end [rad]."""
     position: float
-    """Of the object's centre [m]."""
+    """Distance of the object's centre [m]."""
     contacts: float
-    """Of all contact points [m]."""
+    """Largest distance of a contact point [m]."""
 
 
 def replay(plan: HandPlan) -> Replay:
@@ -99,17 +100,15 @@ def replay(plan: HandPlan) -> Replay:
         third = middle @ (last + second / 2)
         fourth = end @ (last + third)
         last = last + (first + 2 * second + 2 * third + fourth) / 6
-    rotation, wanted = (
-        Rotation.from_matrix(state[:9].reshape(3, 3).T) for state in (last, planned)
-    )
+    rotation, goal = (Rotation.from_matrix(state[:9].reshape(3, 3).T) for state in (last, planned))
     off = 0.0
     for finger in plan.hand.fingers:
-        scale = plan.hand.held.radius if isinstance(finger.surface, Tip) else 1.0
-        name = f"{'e' if isinstance(finger.surface, Tip) else 'c'}.{finger.name}"
-        place = rolling.blocks[name]
+        plate = isinstance(finger.surface, Plate)
+        place = rolling.blocks[f"{'c' if plate else 'e'}.{finger.name}"]
+        scale = 1.0 if plate else plan.hand.held.radius
         off = max(off, scale * float(np.linalg.norm(last[place] - planned[place])))
     position = float(np.linalg.norm((last - planned)[rolling.blocks["p"]]))
-    return Replay(float((rotation * wanted.inv()).magnitude()), position, off)
+    return Replay(float((rotation * goal.inv()).magnitude()), position, off)
 
 
 def plan_inputs(rolling: Rolling, plan: HandPlan, times: Array) -> Array:
@@ -121,12 +120,12 @@ def plan_inputs(rolling: Rolling, plan: HandPlan, times: Array) -> Array:
 
 def _state(rolling: Rolling, motion: HandMotion, k: int) -> Array:
     """X at the k-th instant of a motion."""
-    others = {}
+    blocks = {}
     for i, finger in enumerate(motion.hand.fingers):
         if isinstance(finger.surface, Plate):
-            others[f"c.{finger.name}"] = motion.contacts_on_fingers[k, i]
+            blocks[f"c.{finger.name}"] = motion.contacts_on_fingers[k, i]
         else:
-            others[f"e.{finger.name}"] = motion.normals[k, i]
+            blocks[f"e.{finger.name}"] = motion.normals[k, i]
             if finger.surface.axes:
-                others[f"q.{finger.name}"] = motion.tip_turns[k, i]
-    return rolling.state(motion.rotation[k], motion.position[k], **others)
+                blocks[f"q.{finger.name}"] = motion.tip_turns[k, i]
+    return rolling.state(motion.rotation[k], motion.position[k], **blocks)

@@ -21,10 +21,13 @@ class FixedTip:
     """A tip that does not turn; the contact goes round at R / (R + r) of the object's turn."""
 
     radius: float
+    """Radius of the tip [m]."""
     object_radius: float
+    """Radius of the object [m]."""
     start: Array
     """Direction from the object's centre to the contact at the beginning, in space, (3,)."""
     turning: AboutAxis
+    """The object's turn."""
 
     def direction(self, times: Array, rotation: Array) -> Array:
         """Series (orders, N, 3) of the direction to the contact, in space."""
@@ -35,14 +38,18 @@ class FixedTip:
 
 @dataclass(frozen=True, eq=False)
 class TurningTip:
-    """A tip turned by motors, so that its contact on the object goes where one wants."""
+    """A tip turned by motors, so that its contact goes to any place on the object."""
 
     radius: float
+    """Radius of the tip [m]."""
     object_radius: float
+    """Radius of the object [m]."""
     start: tuple[float, float]
-    """(azimuth, latitude) of the contact in the object's axes [rad]."""
+    """(azimuth, latitude) of the contact in the object's axes at the beginning [rad]."""
     goal: tuple[float, float]
+    """The same at the end [rad]."""
     move: HandMove
+    """The move, whose duration and order the contact shares."""
     missing: Array | None
     """The direction about which a tip with two axes cannot turn, (3,); None with three axes."""
 
@@ -67,9 +74,9 @@ class TurningTip:
         turn = cross(at, across) / self.radius
         if self.missing is None:
             return turn
-        wanted = np.zeros_like(at)
-        wanted[0] = self.missing
-        spin = quotient(dot(turn, wanted), dot(at, wanted))
+        axis = np.zeros_like(at)
+        axis[0] = self.missing
+        spin = quotient(dot(turn, axis), dot(at, axis))
         return turn - product(np.broadcast_to(spin[..., None], at.shape), at)
 
 
@@ -84,17 +91,17 @@ def tip_paths(hand: Hand, move: HandMove, turning: Turning) -> dict[str, FixedTi
     """
     tips = [finger for finger in hand.fingers if isinstance(finger.surface, Tip)]
     for name in ("contacts", "start_contacts"):
-        given = len(getattr(move, name))
-        if given not in (0, len(tips)):
-            raise PathError(f"the move has {given} {name}, hand {hand.name} has {len(tips)} tips")
+        count = len(getattr(move, name))
+        if count not in (0, len(tips)):
+            raise PathError(f"the move has {count} {name}, hand {hand.name} has {len(tips)} tips")
     paths: dict[str, FixedTip | TurningTip] = {}
     radius = hand.held.radius
     for i, finger in enumerate(tips):
         surface = finger.surface
         assert isinstance(surface, Tip)
-        given_start = move.start_contacts[i] if move.start_contacts else None
+        own_start = move.start_contacts[i] if move.start_contacts else None
         if surface.axes:
-            start = given_start or _angles(finger.contact)
+            start = own_start or _angles(finger.contact)
             goal = move.contacts[i] if move.contacts else start
             missing = np.cross(*np.array(surface.axes)) if len(surface.axes) == 2 else None
             paths[finger.name] = TurningTip(surface.radius, radius, start, goal, move, missing)
@@ -108,12 +115,13 @@ def tip_paths(hand: Hand, move: HandMove, turning: Turning) -> dict[str, FixedTi
         if move.contacts:
             raise PathError(f"hand {hand.name}: finger {finger.name} is fixed, give no contacts")
         first = np.array(finger.contact)
-        if given_start is not None:
-            first = rotation_of(move.start) @ on_sphere(*given_start)
+        if own_start is not None:
+            first = rotation_of(move.start) @ on_sphere(*own_start)
         paths[finger.name] = FixedTip(surface.radius, radius, first, turning)
     return paths
 
 
 def _angles(direction: tuple[float, float, float]) -> tuple[float, float]:
+    """Azimuth and latitude of a unit vector [rad]."""
     x, y, z = direction
     return (math.atan2(y, x), math.asin(max(-1.0, min(1.0, z))))

@@ -29,18 +29,18 @@ from ...models.hand.move import HandMove
 from ...models.types import Array
 from ..series.products import compose, derivative, product, quotient
 from ..series.rotation import rotation_of, rpy_angles, rpy_matrix, sine_cosine
-from .orientation import Axes, turned_by
+from .orientation import Axes, in_axes
 from .progress import ORDERS, share
 from .without_spin import LARGEST_THETA
 
 LEAST_TURN = math.pi / 2
-"""Of phi over the path, without which the equations come near their singular place [rad]."""
+"""Least change of phi over the path [rad]; with less the equations are nearly singular."""
 TURNS = (-1, 0, 1)
-"""Whole turns of phi and psi that are tried."""
+"""Whole turns that are tried, added to phi and to psi at the end."""
 TRIALS = 20
-"""Other axes tried."""
+"""Number of other axes of the object that are tried."""
 _LENGTH = 6
-"""Coefficients of phi and theta, of which differentiation costs three."""
+"""Coefficients of phi and theta: those of a pose, and three that differentiation costs."""
 
 
 def _lengthened(value: Array, rate: Array) -> Array:
@@ -80,11 +80,11 @@ class WithSpin:
     start: tuple[float, ...]
     """RPY angles of the axes at the beginning [rad]."""
     goal: tuple[float, ...]
-    """And at the end, whole turns included [rad]."""
+    """RPY angles at the end, whole turns included [rad]."""
     radius: float
-    """Of the ball [m]."""
+    """Radius of the ball [m]."""
     touch: tuple[float, float]
-    """Contact point at the end, from where it begins [m]."""
+    """Contact point on the plate at the end, from where it begins [m]."""
     axes: Axes | None = None
     """Constant rotation of the object in front of the angles' axes; None for none."""
     note: str = ""
@@ -150,17 +150,16 @@ class WithSpin:
         p, q = p[:ORDERS], q[:ORDERS]
         psi = quotient(product(p, first) + product(q, second), product(p, p) + product(q, q))
 
-        phi, theta, sf, cf, ct = (each[:ORDERS] for each in (phi, theta, sf, cf, ct))
+        phi, theta, sf, cf, ct = (part[:ORDERS] for part in (phi, theta, sf, cf, ct))
         level = product(psi, ct)
         x = self.radius * (product(theta, cf) + product(level, sf)) - y1[:ORDERS]
         y = self.radius * (product(theta, sf) - product(level, cf)) - y2[:ORDERS]
         return np.stack((phi, theta, psi), axis=-1), np.stack((x, y), axis=-1)
 
     def rotation(self, times: Array) -> Array:
-        """See `turning.Turning`."""
+        """See `Turning`."""
         part = share(self.move, times)
-        rotation = rpy_matrix(compose(self._states(part[0])[0], part))
-        return rotation if self.axes is None else turned_by(rotation, np.array(self.axes))
+        return in_axes(rpy_matrix(compose(self._states(part[0])[0], part)), self.axes)
 
     def swept(self, times: Array) -> Array:
         """Integral of the angular velocity, as far as the contact point shows it, (N, 3)."""
@@ -169,7 +168,7 @@ class WithSpin:
 
     @property
     def length(self) -> float:
-        """Of the contact point's way over the plate [m]."""
+        """Length of the contact point's way over the plate [m]."""
         contact = self._states(np.linspace(0.0, 1.0, 129))[1][0]
         return float(np.linalg.norm(np.diff(contact, axis=0), axis=1).sum())
 
@@ -192,16 +191,16 @@ def with_spin(move: HandMove, radius: float) -> WithSpin:
         return replace(best, note=note) if turned else best
     first, last = rotation_of(move.start), rotation_of(move.goal)
     note = "planned in other axes of the object, since in its own theta comes near +-90 degrees"
-    found = []
+    paths = []
     for trial in Rotation.random(TRIALS, rng=np.random.default_rng(0)).as_matrix():
         start, goal = rpy_angles(np.array([first @ trial.T, last @ trial.T])).tolist()
         axes = tuple(map(tuple, trial.tolist()))
         path = _least_rolling(move, tuple(start), tuple(goal), radius, axes)
         if path is not None:
-            found.append(replace(path, note=note))
-    if not found:
+            paths.append(replace(path, note=note))
+    if not paths:
         raise PathError("no path with spin was found between the two orientations")
-    return min(found, key=lambda path: path.length)
+    return min(paths, key=lambda path: path.length)
 
 
 def _least_rolling(
@@ -212,10 +211,10 @@ def _least_rolling(
     axes: Axes | None,
 ) -> WithSpin | None:
     """The best of the whole turns in given axes, if any."""
-    found = []
+    paths = []
     for turns in itertools.product(TURNS, TURNS):
         phi, psi = (goal[i] + 2 * math.pi * k for i, k in zip((0, 2), turns, strict=True))
         end = (phi, goal[1], psi)
         with contextlib.suppress(PathError):
-            found.append(WithSpin(move, start, end, radius, move.touch or (0.0, 0.0), axes))
-    return min(found, key=lambda path: path.length, default=None)
+            paths.append(WithSpin(move, start, end, radius, move.touch or (0.0, 0.0), axes))
+    return min(paths, key=lambda path: path.length, default=None)

@@ -7,10 +7,10 @@ the end, phi(theta) its integral in closed form, and theta goes from rest to res
     phi(theta) = phi_F + int (b0 + b2 (theta - theta_F)^2) sin(theta) d theta
 
 This fails where theta is the same at both ends or comes near +-90 degrees, and may turn the object
-round several times.  But a constant rotation
-of the axes that the angles refer to in the object changes neither w nor the rolling, so such a
-move is planned with other axes: of a fixed set those for which the object turns least.  A mere turn
-about the vertical leaves theta alone in all axes, and is planned in two legs.
+round several times.  But a constant rotation of the axes that the angles refer to in the object
+changes neither w nor the rolling, so such a move is planned with other axes: of a fixed set those
+for which the object turns least.  A mere turn about the vertical leaves theta alone in all axes,
+and is planned in two legs.
 """
 
 import math
@@ -25,21 +25,21 @@ from ...models.hand.move import HandMove
 from ...models.types import Array
 from ..series.products import derivative, product
 from ..series.rotation import angular_velocity, rotation_of, rpy_angles, rpy_matrix, sine_cosine
-from .orientation import Axes, turned_by
+from .orientation import Axes, in_axes
 from .progress import share
 
 LARGEST_THETA = math.radians(80.0)
-"""Beyond it phi and psi turn fast while the object hardly does."""
+"""Largest theta at an end [rad]; beyond it phi and psi turn fast while the object hardly does."""
 SMALLEST_STEP = math.radians(2.0)
-"""Of theta, below which the coefficients are too large."""
+"""Least change of theta [rad]; the coefficients of psi divide by it."""
 SAME = 1e-12
 """Angle below which two orientations are one [rad]."""
 TRIALS = 200
-"""Other axes tried."""
+"""Number of other axes of the object that are tried."""
 LONG = 3 * math.pi
 """Turning of the object over a move, above which other axes are tried [rad]."""
 MOST_TURNING = 6 * math.pi
-"""Above which two legs are tried [rad]."""
+"""Turning of the object above which two legs are tried [rad]."""
 
 
 def _integral(theta: Array, goal: float) -> Array:
@@ -55,7 +55,7 @@ def _integral(theta: Array, goal: float) -> Array:
 
 @dataclass(frozen=True)
 class WithoutSpin:
-    """The path in given axes of the object.
+    """The path in one choice of the object's axes.
 
     Raises
     ------
@@ -67,7 +67,7 @@ class WithoutSpin:
     start: tuple[float, ...]
     """RPY angles of the axes at the beginning [rad]."""
     goal: tuple[float, ...]
-    """And at the end [rad]."""
+    """RPY angles at the end [rad]."""
     axes: Axes | None = None
     """Constant rotation of the object in front of the angles' axes; None for none."""
     note: str = ""
@@ -119,9 +119,8 @@ class WithoutSpin:
         return np.stack((phi, theta, psi), axis=-1)
 
     def rotation(self, times: Array) -> Array:
-        """See `turning.Turning`."""
-        rotation = rpy_matrix(self.angles(times))
-        return rotation if self.axes is None else turned_by(rotation, np.array(self.axes))
+        """See `Turning`."""
+        return in_axes(rpy_matrix(self.angles(times)), self.axes)
 
     @property
     def turning(self) -> float:
@@ -140,7 +139,7 @@ class TwoLegs:
     note: str
 
     def rotation(self, times: Array) -> Array:
-        """See `turning.Turning`."""
+        """See `Turning`."""
         half = self.first.move.duration
         early = (times < half)[:, None, None]
         later = self.second.rotation(times - half)
@@ -197,13 +196,13 @@ def _in_axes(
 def _two_legs(move: HandMove, first: Array, last: Array, trials: Array, note: str) -> TwoLegs:
     """The best path through one of the trials as a third orientation."""
     half = replace(move, duration=move.duration / 2)
-    found = []
+    paths = []
     for axes, middle in zip(trials, trials[::-1], strict=True):
-        one = _in_axes(half, axes, first, middle, note)
-        other = _in_axes(half, axes, middle, last, note)
-        if one and other:
-            found.append(TwoLegs(one, other, note))
-    best = min(found, key=lambda path: path.turning, default=None)
+        begin = _in_axes(half, axes, first, middle, note)
+        end = _in_axes(half, axes, middle, last, note)
+        if begin and end:
+            paths.append(TwoLegs(begin, end, note))
+    best = min(paths, key=lambda path: path.turning, default=None)
     if best is None:
         raise PathError("no path without spin was found between the two orientations")
     return best

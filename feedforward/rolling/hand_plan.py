@@ -37,11 +37,11 @@ from .with_spin import WithSpin, with_spin
 from .without_spin import without_spin
 
 CHECKED = 401
-"""Instants at which a plan is checked against the hand's limits."""
+"""Number of instants at which a plan is checked against the hand's limits."""
 LEVEL = 1e-9
-"""Of a plate's normal, its horizontal part at most."""
+"""Largest horizontal part of the normal of a plate that counts as level."""
 NEARLY_SINGULAR = 1e-2
-"""Of cos(theta), below which a note says that phi and psi are singular."""
+"""Value of cos(theta) below which a note says that phi and psi are singular."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +49,11 @@ class HandPlan:
     """A planned motion; call it with times."""
 
     hand: Hand
+    """The hand that moves."""
     move: HandMove
+    """The move that was planned."""
     turning: Turning
+    """How the object turns."""
     tips: dict[str, FixedTip | TurningTip]
     """How contacts on round tips move, by the finger's name."""
     carried: Carried
