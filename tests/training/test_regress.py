@@ -13,6 +13,7 @@ from flatrig.models.mjcf import rig_model as mjcf
 from flatrig.training import cli
 from flatrig.training.regress import baseline
 from flatrig.training.regress import regression as regress
+from flatrig.training.regress.row import Row
 from flatrig.training.simulate import drift
 
 KEY = ("rotary_crane", "RK4", 1e-2, "energy")
@@ -21,7 +22,7 @@ KEY = ("rotary_crane", "RK4", 1e-2, "energy")
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch):
     monkeypatch.setattr(regress, "STEPS", (1e-2,))
-    monkeypatch.setattr(regress, "SHOWN", 1e-2)
+    monkeypatch.setattr(regress, "SUMMARY_STEP", 1e-2)
 
 
 def test_the_free_rotary_crane_has_the_energy_and_momentum_of_the_source():
@@ -59,6 +60,8 @@ def test_what_has_a_momentum_that_stays(name, joints):
 def test_the_shipped_baseline_holds_the_whole_catalogue(monkeypatch):
     monkeypatch.undo()
     stored, version = baseline.read()
+    missing = set(models.CATALOGUE) - {key[0] for key in stored}
+    assert not missing, f"flatrig regress {' '.join(sorted(missing))} --update stores their numbers"
     assert {key[0] for key in stored} == set(models.CATALOGUE)
     assert {key[1] for key in stored} == set(mjcf.INTEGRATORS)
     assert {key[2] for key in stored} == set(regress.STEPS)
@@ -153,7 +156,7 @@ def test_resuming_computes_only_what_is_missing_or_of_another_model(tmp_path, mo
     def row(unit):
         name, step = unit
         computed.append(unit)
-        return [regress.Row(name, "RK4", step, 1.0, 1.0, math.inf, math.nan, 1.0)]
+        return [Row(name, "RK4", step, 1.0, 1.0, math.inf, math.nan, 1.0)]
 
     monkeypatch.setattr(regress, "_rows", row)
     first = regress.measure(["overhead_crane"], tmp_path)

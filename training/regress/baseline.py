@@ -17,21 +17,21 @@ from ...models.files import write_text
 from ..tables import csv_text
 
 FILE = Path(__file__).parents[1] / "baselines" / "regress.csv"
-"""The one that is shipped."""
+"""The baseline that is shipped."""
 
 HEAD = "# MuJoCo "
-"""How its first line begins, before the version."""
+"""How its first line begins, before MuJoCo's version."""
 
 SHARE = 0.05
 """Band about a stored number, as a share of it."""
 
 ROUNDING = {"error": 2e-9, "arrival": 2e-9, "energy": 2e-9, "momentum": 2e-12}
-"""Band about zero: [m], [m], [J], one."""
+"""Band about zero, for what another order of additions does: [m], [m], [J], and without unit."""
 
 UNITS = {"error": " m", "arrival": " m", "energy": " J", "momentum": ""}
 
 CEILINGS = {("rotary_crane", "RK4", 1e-2, "energy"): 1e-7}
-"""What must hold whatever is stored."""
+"""What must hold whatever is stored: energy [J] of the free rotary crane, at the step of Y 2.10."""
 
 Key = tuple[str, str, float, str]
 """Model, integrator, time step [s] and quantity."""
@@ -42,9 +42,9 @@ class Departure(NamedTuple):
 
     key: Key
     value: float | None
-    """None if the run did not find one."""
+    """Number of the run; None if it has none."""
     stored: float | None
-    """None if a ceiling is exceeded."""
+    """Stored number; None if a ceiling is exceeded."""
 
     def __str__(self) -> str:
         """One line that names it."""
@@ -65,18 +65,18 @@ def name(key: Key) -> str:
 
 
 def departures(
-    found: dict[Key, float], stored: dict[Key, float], models: Iterable[str]
+    numbers: dict[Key, float], stored: dict[Key, float], models: Iterable[str]
 ) -> list[Departure]:
     """Numbers of the models that left their band, in the stored order; new ones have none."""
-    out = []
+    left = []
     for key, old in stored.items():
-        new = found.get(key)
+        new = numbers.get(key)
         if key[0] in models and (new is None or not _within(key[3], new, old)):
-            out.append(Departure(key, new, old))
+            left.append(Departure(key, new, old))
     for key, ceiling in CEILINGS.items():
-        if key in found and not found[key] < ceiling:
-            out.append(Departure(key, found[key], None))
-    return out
+        if key in numbers and not numbers[key] < ceiling:
+            left.append(Departure(key, numbers[key], None))
+    return left
 
 
 def read(path: str | Path = FILE) -> tuple[dict[Key, float], str]:
@@ -107,7 +107,7 @@ def read(path: str | Path = FILE) -> tuple[dict[Key, float], str]:
     return stored, first.removeprefix(HEAD)
 
 
-def write(path: str | Path, found: dict[Key, float]) -> None:
+def write(path: str | Path, numbers: dict[Key, float]) -> None:
     """Store a run's numbers, those of other models in the file kept.
 
     Raises
@@ -115,9 +115,9 @@ def write(path: str | Path, found: dict[Key, float]) -> None:
     OutputError
         The file cannot be written.
     """
-    models = {key[0] for key in found}
-    kept = read(path)[0] if Path(path).exists() else {}
-    table = {key: value for key, value in kept.items() if key[0] not in models} | found
+    models = {key[0] for key in numbers}
+    old = read(path)[0] if Path(path).exists() else {}
+    table = {key: value for key, value in old.items() if key[0] not in models} | numbers
     rows = (
         (model, integrator, f"{step:g}",
          *(table.get((model, integrator, step, quantity)) for quantity in ROUNDING))

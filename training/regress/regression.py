@@ -16,7 +16,7 @@ that a model, a move or the feedforward did change.  A run that breaks down, or 
 
 import math
 from collections.abc import Iterable
-from dataclasses import astuple, dataclass
+from dataclasses import astuple
 from itertools import product
 from pathlib import Path
 
@@ -34,46 +34,19 @@ from ..jobs import Jobs
 from ..simulate.drift import DURATION, Drift, Free, drift, free_motion
 from ..simulate.open_loop import Prepared, prepare
 from ..tables import table, write_csv
-from . import baseline
+from . import baseline, regression_figures
+from .row import Row
 
 STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4)
 """Time steps [s]."""
-SHOWN = 1e-3
-"""The one whose numbers stand in the summary [s]."""
+SUMMARY_STEP = 1e-3
+"""Time step whose numbers stand in the summary [s]."""
 LOST = 1.0
-"""Distance from the path beyond which a number says nothing [m]."""
+"""Distance from the path beyond which a number says nothing [m]: runs that swing apart differ from
+one processor to the next."""
+ROUNDED = 1e-9
+"""Error below which rounding decides and a slope shows no order [m]."""
 FOLDER = "results/regress"
-
-
-@dataclass(frozen=True)
-class Row:
-    """One model with one integrator and time step."""
-
-    model: str
-    integrator: str
-    step: float
-    """[s]"""
-    error: float
-    """Largest distance from the path [m]; infinite if lost."""
-    arrival: float
-    """Distance at arrival [m]."""
-    energy: float
-    """Largest departure of the free motion's energy [J]."""
-    momentum: float
-    """The same of its momentum, over the momentum."""
-    cost: float
-    """Time to compute a second of the move [ms]; not a number if it breaks down."""
-
-    @property
-    def real_time_factor(self) -> float:
-        """Simulated over computing time."""
-        return 1e3 / self.cost
-
-    def numbers(self) -> dict[baseline.Key, float]:
-        """What is compared."""
-        at = (self.model, self.integrator, self.step)
-        values = {(*at, name): getattr(self, name) for name in baseline.ROUNDING}
-        return {key: value for key, value in values.items() if not math.isnan(value)}
 
 
 def main(command: options.Regress) -> int:
@@ -84,34 +57,32 @@ def main(command: options.Regress) -> int:
     folder, out = Path(command.output or FOLDER), console()
     rows = measure(names, folder, command.resume)
     write_rows(folder / "regress.csv", rows)
-    from . import regression_figures as regress_figures
-
-    regress_figures.draw(rows, folder)
-    found = {key: value for row in rows for key, value in row.numbers().items()}
-    gone = baseline.departures(found, {} if command.update else stored, names)
-    out.print(summary(rows, {departure.key[:2] for departure in gone}))
-    for name in ("regress.csv", *regress_figures.FILES):
+    regression_figures.draw(rows, folder)
+    numbers = {key: value for row in rows for key, value in row.numbers().items()}
+    departures = baseline.departures(numbers, stored, names)
+    out.print(summary(rows, {departure.key[:2] for departure in departures}))
+    for name in ("regress.csv", *regression_figures.FILES):
         out.print(f"wrote {folder / name}", soft_wrap=True)
     for key, ceiling in baseline.CEILINGS.items():
-        if key in found:
-            out.print(f"{baseline.name(key)} {found[key]:.2g}, must be below {ceiling:g}")
-    for departure in gone:
+        if key in numbers:
+            out.print(f"{baseline.name(key)} {numbers[key]:.2g}, must be below {ceiling:g}")
+    for departure in departures:
         out.print(warning(str(departure)), soft_wrap=True)
     if command.update:
-        baseline.write(file, found)
+        baseline.write(file, numbers)
         out.print(f"wrote {file}; MuJoCo {mujoco.__version__}", soft_wrap=True)
-        return 1 if gone else 0
-    new = [key for key in found if key not in stored]
+        return 1 if departures else 0
+    new = [key for key in numbers if key not in stored]
     if new:
         models = ", ".join(dict.fromkeys(key[0] for key in new))
         text = f"{len(new)} numbers of {models} have no stored ones; --update stores them"
         out.print(text, soft_wrap=True)
-    verdict = f"{len(gone)} of {len(found)} numbers left their band"
-    if not gone:
-        compared = len(found) - len(new)
+    verdict = f"{len(departures)} of {len(numbers)} numbers left their band"
+    if not departures:
+        compared = len(numbers) - len(new)
         verdict = f"all in band, {compared} numbers" if compared else "nothing was compared"
     out.print(f"{verdict}; MuJoCo {mujoco.__version__}, stored ones by {version}", soft_wrap=True)
-    return 1 if gone else 0
+    return 1 if departures else 0
 
 
 def measure(names: Iterable[str], folder: Path, resume: bool = False) -> list[Row]:
@@ -146,16 +117,16 @@ def _row(
 ) -> Row:
     model = mjcf.compile(rig, timestep=step, integrator=integrator, visuals=False)
     try:
-        made = prepared.run(model)
-        error, arrival = float(made.distance.max()), float(made.distance[-1])
-        cost = 1e3 * made.seconds / reference.duration
+        run = prepared.run(model)
+        error, arrival = float(run.distance.max()), float(run.distance[-1])
+        cost = 1e3 * run.seconds / reference.duration
     except ModelError:
         error, arrival, cost = math.inf, math.inf, math.nan
     if error > LOST:
         error = arrival = math.inf
     try:
-        let_go = mjcf.compile(free.rig, timestep=step, integrator=integrator, visuals=False)
-        energy, momentum = drift(let_go, free)
+        model = mjcf.compile(free.rig, timestep=step, integrator=integrator, visuals=False)
+        energy, momentum = drift(model, free)
     except ModelError:
         energy, momentum = Drift(math.inf, math.inf)
     return Row(rig.name, integrator, step, error, arrival, energy, momentum, cost)
@@ -174,10 +145,11 @@ def write_rows(path: Path, rows: list[Row]) -> None:
     write_csv(path, columns, ((*astuple(row), row.real_time_factor) for row in rows), ".6g")
 
 
-def summary(rows: list[Row], gone: set[tuple[str, ...]]) -> Table:
-    """One line for each model and integrator; `gone` are those with a number out of its band."""
-    shown = table(
-        f"Exact feedforward, and {DURATION:g} s of free motion, in MuJoCo at {1e3 * SHOWN:g} ms "
+def summary(rows: list[Row], departed: set[tuple[str, ...]]) -> Table:
+    """One line for each model and integrator; `departed` have a number out of its band."""
+    lines = table(
+        f"Exact feedforward, and {DURATION:g} s of free motion, in MuJoCo at "
+        f"{1e3 * SUMMARY_STEP:g} ms "
         "(order: of the error over all steps, at most 2 with held inputs)",
         "model", "integrator", "error [m]", "arrival [m]", "order",
         "energy [J]", "momentum", "[ms/s]", "real time x", "",
@@ -185,24 +157,24 @@ def summary(rows: list[Row], gone: set[tuple[str, ...]]) -> Table:
     for model in dict.fromkeys(row.model for row in rows):
         for kind in mjcf.INTEGRATORS:
             ladder = [row for row in rows if (row.model, row.integrator) == (model, kind)]
-            row = next(row for row in ladder if row.step == SHOWN)
-            shown.add_row(
+            row = next(row for row in ladder if row.step == SUMMARY_STEP)
+            lines.add_row(
                 model, kind, f"{row.error:.1e}", f"{row.arrival:.1e}", _order(ladder),
-                f"{row.energy:.1e}", _shown(row.momentum, ".0e"),
-                _shown(row.cost, ".2g"), _shown(row.real_time_factor, ".0f"),
-                warning("out of band") if (model, kind) in gone else "",
+                f"{row.energy:.1e}", _cell(row.momentum, ".0e"),
+                _cell(row.cost, ".2g"), _cell(row.real_time_factor, ".0f"),
+                warning("out of band") if (model, kind) in departed else "",
             )  # fmt: skip
-    return shown
+    return lines
 
 
-def _shown(value: float, form: str) -> str:
+def _cell(value: float, form: str) -> str:
     """A number; nothing where there is none."""
     return "" if math.isnan(value) else f"{value:{form}}"
 
 
 def _order(ladder: list[Row]) -> str:
     """By how many powers of the step the error falls, median over the ladder."""
-    pairs = [(row.step, row.error) for row in ladder if 1e-9 < row.error < LOST]
+    pairs = [(row.step, row.error) for row in ladder if ROUNDED < row.error < LOST]
     if len(pairs) < 2:
         return ""
     steps, errors = np.log(np.array(pairs)).T

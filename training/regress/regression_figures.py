@@ -2,22 +2,20 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...models.mjcf import rig_model as mjcf
 from .. import plots
-
-if TYPE_CHECKING:
-    from .regression import Row
+from .row import Row
 
 FILES = ("error.png", "drift.png")
 MARKS = ("o", "s", "^", "D", "v")
 COLUMNS = 3
 LEAST = 1e-15
-"""Where numbers below are drawn: they are rounding."""
+"""Where smaller numbers are drawn: they are rounding."""
 
 
-def draw(rows: "list[Row]", folder: Path) -> None:
+def draw(rows: list[Row], folder: Path) -> None:
     """Write both figures to a folder.
 
     Raises
@@ -42,36 +40,41 @@ def draw(rows: "list[Row]", folder: Path) -> None:
 
 
 def _panels(
-    rows: "list[Row]",
+    rows: list[Row],
     heading: str,
     labels: tuple[str, str],
-    point: "Callable[[Row], tuple[float, float]]",
+    point: Callable[[Row], tuple[float, float]],
 ) -> Any:
     """A panel for each model, a line for each integrator."""
     names = list(dict.fromkeys(row.model for row in rows))
     columns = min(COLUMNS, len(names))
     height = -(-len(names) // columns)
-    made, grid = plots.figure(
+    figure, grid = plots.figure(
         4.0 * columns + 0.6, 2.6 * height + 0.8, nrows=height, ncols=columns, squeeze=False
     )
-    made.suptitle(heading, x=0.012, ha="left", fontsize=11, fontweight="bold")
+    plots.heading(figure, heading)
     for axes in grid.flat[len(names) :]:
         axes.set_visible(False)
     for axes, name in zip(grid.flat, names, strict=False):
         for kind, colour, mark in zip(mjcf.INTEGRATORS, plots.COLOURS[1:], MARKS, strict=False):
             ladder = [row for row in rows if (row.model, row.integrator) == (name, kind)]
             x, y = zip(*map(point, ladder), strict=True)
-            shown = [max(value, LEAST) for value in y]
             width = 2.2 if kind == "RK4" else 1.2
             axes.plot(
-                x, shown, marker=mark, markersize=4, color=colour, linewidth=width, label=kind
+                x,
+                [max(value, LEAST) for value in y],
+                marker=mark,
+                markersize=4,
+                color=colour,
+                linewidth=width,
+                label=kind,
             )
         axes.set(xscale="log", yscale="log")
         plots.title(axes, name.replace("_", " "))
-    made.supxlabel(labels[0], fontsize=9)
-    made.supylabel(labels[1], fontsize=9)
+    figure.supxlabel(labels[0], fontsize=9)
+    figure.supylabel(labels[1], fontsize=9)
     lines, texts = grid.flat[0].get_legend_handles_labels()
-    made.legend(
+    figure.legend(
         lines, texts, loc="outside upper right", ncols=len(texts), fontsize=8, frameon=False
     )
-    return made
+    return figure
