@@ -206,15 +206,15 @@ def coordinates_of(problem: Problem, kind: Kind) -> Coordinates:
             for factor, j in terms:
                 matrix[i, j] = factor
         return Coordinates(problem, kind, e.names, (), (), every, kept, matrix)
-    by_angles = {e.constraint_names.index(f"{name[:-6]}.unit") for name, *_ in e.turning}
-    by_angles |= {k for orientation in e.orientations for k in orientation.constraints}
+    by_angles = set(e.with_role("unit", "director"))
     kept = () if kind == "minimal" else _with_outputs(problem, by_angles)
     eliminated = tuple(k for k in every if k not in by_angles and k not in kept)
-    implicit = tuple(_determined(e, k) for k in eliminated)
+    follows = {k: c.coordinate for k, c in enumerate(e.roles) if c.coordinate is not None}
+    implicit = tuple(follows[k] for k in eliminated)
     hidden = {e.names[i] for i in implicit}
-    names = tuple(name for name in rig.coordinate_names if name not in hidden)
-    spans = tuple(n for n in e.names if ".span" in n and n not in hidden)
-    names += spans
+    spans = (e.names[follows[k]] for k in e.with_role("span"))
+    candidates = dict.fromkeys((*rig.coordinate_names, *spans))
+    names = tuple(name for name in candidates if name not in hidden)
     matrix = _outputs(rig, names, kind)
     if len(kept) > len(matrix):
         raise RigError(
@@ -232,13 +232,6 @@ def _with_outputs(problem: Problem, implied: set[int]) -> tuple[int, ...]:
         for k, matrix in enumerate(problem.equations.constraints)
         if k not in implied and matrix[prescribed].any()
     )
-
-
-def _determined(e: Equations, constraint: int) -> int:
-    """The coordinate that a rail's or a span's constraint determines."""
-    owner, _, last = e.constraint_names[constraint].rpartition(".")
-    name = f"{owner}.{last[-1]}" if last.startswith("rail_") else f"{owner}.span{last}"
-    return e.names.index(name if name in e.names else f"{owner}.length")
 
 
 def _outputs(rig: Rig, names: tuple[str, ...], kind: Kind) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...models.rig.rig import WORLD, Frame, Load, Platform, Rig, Rope, Trolley
 from ...models.types import Array
-from .equations import Equations, Orientation
+from .equations import Constraint, Equations, Orientation
 
 
 def assemble(rig: Rig) -> Equations:
@@ -25,7 +25,7 @@ class _Builder:
         self.mass = np.zeros((n, n))
         self.force = np.zeros(n)
         self.constraints: list[Array] = []
-        self.constraint_names: list[str] = []
+        self.roles: list[Constraint] = []
         self.inputs = np.zeros((n, len(rig.drives), n + 1))
 
     def build(self) -> Equations:
@@ -47,7 +47,7 @@ class _Builder:
         return Equations(
             rig=self.rig,
             names=tuple(self.names),
-            constraint_names=tuple(self.constraint_names),
+            roles=tuple(self.roles),
             mass=self.mass,
             force=self.force,
             constraints=stacked,
@@ -96,11 +96,11 @@ class _Builder:
         row[-1] = constant
         return row
 
-    def constrain(self, name: str, *products: tuple[float, Array, Array]) -> None:
+    def constrain(self, constraint: Constraint, *products: tuple[float, Array, Array]) -> None:
         """Add the constraint that a sum of weighted products of affine rows vanishes."""
         matrix = sum(w * (np.outer(a, b) + np.outer(b, a)) for w, a, b in products)
         self.constraints.append(np.asarray(matrix))
-        self.constraint_names.append(name)
+        self.roles.append(constraint)
 
     def add_inertia(self, mass: float, *rows: Array) -> None:
         """Add the kinetic energy 1/2 mass |d/dt rows|^2."""
@@ -113,9 +113,8 @@ class _Builder:
             if frame.kind == "turning":
                 pair = self.row(f"{frame.name}.cos"), self.row(f"{frame.name}.sin")
                 self.add_inertia(frame.inertia, *pair)
-                self.constrain(
-                    f"{frame.name}.unit", *((0.5, row, row) for row in pair), (-0.5, one, one)
-                )
+                unit = Constraint(f"{frame.name}.unit", frame.name, "unit", None)
+                self.constrain(unit, *((0.5, row, row) for row in pair), (-0.5, one, one))
             else:
                 self.add_inertia(frame.inertia, self.row(frame.coordinate))
 
@@ -174,8 +173,9 @@ class _Builder:
             direction = self._in_frame(frame, rail.direction)
             along = self.row(part.coordinate)
             for axis, letter in enumerate("xy"):
+                name, moved = f"{part.name}.rail_{letter}", self.index(f"{part.name}.{letter}")
                 self.constrain(
-                    f"{part.name}.rail_{letter}",
+                    Constraint(name, part.name, "rail", moved),
                     (1.0, one, rows[axis] - origin[axis]),
                     (-1.0, along, direction[axis]),
                 )
@@ -196,30 +196,31 @@ class _Builder:
             for i, first in enumerate(directors):
                 for k, second in enumerate(directors[i:], start=i):
                     same = i == k
+                    name = f"{platform.name}.d{i + 1}d{k + 1}"
                     self.constrain(
-                        f"{platform.name}.d{i + 1}d{k + 1}",
+                        Constraint(name, platform.name, "director", None),
                         *((0.5 if same else 1.0, a, b) for a, b in zip(first, second, strict=True)),
                         *(((-0.5, one, one),) if same else ()),
                     )
 
     def _orientation(self, platform: Platform) -> Orientation:
-        directors = [name for name in self.names if name.startswith(f"{platform.name}.d")]
-        pairs = [name for name in self.constraint_names if name.startswith(f"{platform.name}.d")]
+        first, own = self.index(f"{platform.name}.d1x"), ("director", platform.name)
         return Orientation(
             angles=platform.angles,
-            directors=tuple(self.index(name) for name in directors),
-            constraints=tuple(self.constraint_names.index(name) for name in pairs),
+            directors=tuple(range(first, first + 9)),
+            constraints=tuple(k for k, c in enumerate(self.roles) if (c.role, c.owner) == own),
         )
 
     def _rope(self, rope: Rope) -> Array:
         """Constraints and inertia of a rope; returns its spans' lengths, affine."""
         points = [self.position(name) for name in rope.path]
-        rows = [self.row(f"{rope.name}.span{i}") for i in range(1, len(points) - 1)]
+        names = [*(f"{rope.name}.span{i}" for i in range(1, len(points) - 1)), rope.coordinate]
+        rows = [self.row(name) for name in names[:-1]]
         lengths = np.array([*rows, (self.row(rope.coordinate) - sum(rows)) / rope.falls])
         for i, length in enumerate(lengths):
             span = points[i + 1] - points[i]
             self.constrain(
-                f"{rope.name}.{i + 1}",
+                Constraint(f"{rope.name}.{i + 1}", rope.name, "span", self.index(names[i])),
                 *((0.5, row, row) for row in span if row.any()),
                 (-0.5, length, length),
             )

@@ -21,8 +21,9 @@ rope's tension; of a last span with several falls, of all of them together.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -30,6 +31,19 @@ from ...models.errors import RigError, did_you_mean
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..series.rotation import matrix
+
+
+class Constraint(NamedTuple):
+    """What one constraint is for."""
+
+    name: str
+    owner: str
+    """Name of the part that it belongs to."""
+    role: Literal["unit", "rail", "director", "span"]
+    """The unit length of a frame's cosine and sine; a coordinate of a trolley on a turning rail;
+    a product of two of a platform's directors; the length of a rope's span."""
+    coordinate: int | None
+    """Index of the coordinate that follows from it: of a rail's and a span's."""
 
 
 class Orientation(NamedTuple):
@@ -53,7 +67,8 @@ class Equations:
     rig: Rig
     names: tuple[str, ...]
     """Names of the n coordinates."""
-    constraint_names: tuple[str, ...]
+    roles: tuple[Constraint, ...]
+    """What each of the m constraints is for."""
     mass: Array
     """Mass matrix, shape (n, n)."""
     force: Array
@@ -74,6 +89,19 @@ class Equations:
     """For each rope the rows giving its spans' lengths from (q, 1), shape (spans, n + 1)."""
     points: Mapping[str, Array]
     """For each anchor and mass the rows giving its world position from (q, 1), (3, n + 1)."""
+
+    @cached_property
+    def constraint_names(self) -> tuple[str, ...]:
+        """Names of the m constraints."""
+        return tuple(constraint.name for constraint in self.roles)
+
+    def with_role(self, *roles: str, owner: str | None = None) -> tuple[int, ...]:
+        """Indices of the constraints of some role, of one part if an owner is named."""
+        return tuple(
+            k
+            for k, constraint in enumerate(self.roles)
+            if constraint.role in roles and owner in (None, constraint.owner)
+        )
 
     def constraint_values(self, state: Array) -> Array:
         """Phi at states (..., n): shape (..., m)."""
@@ -171,15 +199,14 @@ def redundant(
             q[..., equations.names.index(name)] = values[name]
             v[..., equations.names.index(name)] = rates[name]
     _put_on_rails(equations, q, v)
-    for rope in equations.rig.ropes:
+    for rope, constraints in zip(equations.rig.ropes, equations.spans, strict=True):
         chords = [equations.points[b] - equations.points[a] for a, b in pairwise(rope.path)]
         spans = [_distance(chord, q, v) for chord in chords]
         spans[-1] = rope.falls * spans[-1][0], rope.falls * spans[-1][1]
-        for i, span in enumerate(spans[:-1], start=1):
-            k = equations.names.index(f"{rope.name}.span{i}")
-            q[..., k], v[..., k] = span
-        k = equations.names.index(rope.coordinate)
-        q[..., k], v[..., k] = np.sum(spans, axis=0)
+        *inner, length = (equations.roles[k].coordinate for k in constraints)
+        for i, span in zip(inner, spans[:-1], strict=True):
+            q[..., i], v[..., i] = span
+        q[..., length], v[..., length] = np.sum(spans, axis=0)
     return q, v
 
 
@@ -197,13 +224,11 @@ def _check_names(rig: Rig, *given: Mapping[str, Array]) -> None:
 
 def _put_on_rails(equations: Equations, q: Array, v: Array) -> None:
     """Set the Cartesian coordinates of trolleys on turning rails, so far zero."""
-    for k, name in enumerate(equations.constraint_names):
-        trolley, _, letter = name.rpartition(".rail_")
-        if trolley:  # Phi is the coordinate less what the rail prescribes
-            i = equations.names.index(f"{trolley}.{letter}")
-            slope = equations.constraint_jacobian(q)[..., k, :]
-            q[..., i] = -equations.constraint_values(q)[..., k]
-            v[..., i] = -np.einsum("...i,...i->...", slope, v)
+    for k in equations.with_role("rail"):  # Phi is the coordinate less what the rail prescribes
+        i = equations.roles[k].coordinate
+        slope = equations.constraint_jacobian(q)[..., k, :]
+        q[..., i] = -equations.constraint_values(q)[..., k]
+        v[..., i] = -np.einsum("...i,...i->...", slope, v)
 
 
 def _distance(chord: Array, q: Array, v: Array) -> tuple[Array, Array]:

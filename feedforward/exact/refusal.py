@@ -90,19 +90,18 @@ def failure(
     first = first_wrong(solution, signs, times)
     if first is None:
         return None
-    rig, analysis = problem.rig, problem.analysis
+    analysis = problem.analysis
     guilty = [
         block
         for block, (_, unknowns) in enumerate(analysis.blocks)
         if (block in signs and (signs[block] == 0 or solution.signs[block][first] != signs[block]))
         or not all(np.isfinite(solution.series[j][0][first]) for j in unknowns)
     ]
-    unknowns = [analysis.unknowns[j] for j in analysis.blocks[guilty[0]][1]]
-    words = list(dict.fromkeys(_in_words(rig, name) for name in unknowns))
+    words = list(dict.fromkeys(_in_words(problem, j) for j in analysis.blocks[guilty[0]][1]))
     lost = " and ".join(words) if len(words) <= NAMED else f"{', '.join(words[:NAMED])}, ..."
     have = "has" if len(words) == 1 else "have"
     reason = f"{lost} {have} no value there that continues the motion"
-    return _refused(rig, when or f"at t = {times[first]:.4g} s", outputs[first], reason)
+    return _refused(problem.rig, when or f"at t = {times[first]:.4g} s", outputs[first], reason)
 
 
 def _refused(rig: Rig, when: str, outputs: Array, reason: str) -> PathError:
@@ -111,11 +110,13 @@ def _refused(rig: Rig, when: str, outputs: Array, reason: str) -> PathError:
     return PathError(f"rig {rig.name} cannot follow the path {when} ({place}): {reason}")
 
 
-def _in_words(rig: Rig, unknown: str) -> str:
+def _in_words(problem: Problem, unknown: int) -> str:
     """An unknown's name for people: a span's multiplier stands for its rope's tension."""
-    rope = unknown.removeprefix("multiplier of ").rpartition(".")[0]
-    spans = unknown.startswith("multiplier of ") and rope in rig.rope_names
-    return f"the tension of rope {rope}" if spans else unknown
+    equations = problem.equations
+    constraint = unknown - len(equations.names)
+    if constraint in equations.with_role("span"):
+        return f"the tension of rope {equations.roles[constraint].owner}"
+    return problem.analysis.unknowns[unknown]
 
 
 def passing(equations: Equations, values: Array, times: Array, outputs: Array) -> PathError | None:

@@ -80,6 +80,7 @@ def servo_constraints(equations: Equations) -> Servo:
     """
     rig = equations.rig
     turning = {angle: (cos, sin) for angle, cos, sin in equations.turning}
+    frames = {frame.coordinate: frame.name for frame in rig.frames}
     sums = {part.name: part for part in rig.combinations}
     names: list[str] = []
     rows: list[Terms] = []
@@ -91,7 +92,7 @@ def servo_constraints(equations: Equations) -> Servo:
             names += [equations.names[i] for i in turning[output]]
             rows += [((1.0, i),) for i in turning[output]]
             sources.append(Source("frame", (column,)))
-            implied.add(equations.constraint_names.index(output.replace(".angle", ".unit")))
+            implied |= set(equations.with_role("unit", owner=frames[output]))
         elif orientation is None:
             terms = (
                 zip(sums[output].factors, sums[output].of, strict=True)

@@ -16,6 +16,7 @@ strongly connected blocks can be solved one after the other.
 from collections.abc import Iterable
 from dataclasses import dataclass
 from graphlib import TopologicalSorter
+from typing import Literal
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -34,7 +35,9 @@ NEVER = -(10**6)
 class Row:
     """One equation, sum of terms = 0, as its monomials in the unknowns w and the reference."""
 
-    name: str
+    kind: Literal["motion", "constraint", "servo constraint"]
+    of: str
+    """Name of the coordinate, constraint or output that it is the equation of."""
     constant: float = 0.0
     linear: tuple[tuple[float, int], ...] = ()
     """(a, j): a w_j"""
@@ -44,6 +47,11 @@ class Row:
     """(a, j, k): a w_j w_k"""
     output: int | None = None
     """Column of what is prescribed that is subtracted."""
+
+    @property
+    def name(self) -> str:
+        """Kind and whose, such as "motion of load.x" or "constraint hoist.1"."""
+        return f"{self.kind} of {self.of}" if self.kind == "motion" else f"{self.kind} {self.of}"
 
     @property
     def plain(self) -> bool:
@@ -143,7 +151,8 @@ def _rows(equations: Equations, servo: Servo) -> tuple[Row, ...]:
         pulls = equations.constraints[:, i, :]
         rows.append(
             Row(
-                name=f"motion of {name}",
+                kind="motion",
+                of=name,
                 constant=-float(equations.force[i]),
                 linear=_pairs((pulls[k, n], n + k) for k in range(m))
                 + _pairs((-b, n + m + a) for a, b in enumerate(equations.input_constant[i])),
@@ -162,7 +171,8 @@ def _rows(equations: Equations, servo: Servo) -> tuple[Row, ...]:
             continue
         rows.append(
             Row(
-                name=f"constraint {name}",
+                kind="constraint",
+                of=name,
                 constant=0.5 * float(matrix[n, n]),
                 linear=_pairs(zip(matrix[n, :n], range(n), strict=True)),
                 quadratic=_triples(
@@ -173,7 +183,7 @@ def _rows(equations: Equations, servo: Servo) -> tuple[Row, ...]:
             )
         )
     for column, (name, terms) in enumerate(zip(servo.names, servo.rows, strict=True)):
-        rows.append(Row(name=f"servo constraint {name}", linear=terms, output=column))
+        rows.append(Row(kind="servo constraint", of=name, linear=terms, output=column))
     return tuple(rows)
 
 

@@ -33,7 +33,7 @@ def residuals(motion: Motion, reference: Reference) -> Array:
             terms.append(-path[:, row.output])
         wrong.append(np.abs(np.sum(terms, axis=0)))
         sizes.append(np.sum(np.abs(terms), axis=0).max())
-    kinds = np.array([row.name.split()[0] for row in rows])
+    kinds = np.array([row.kind for row in rows])
     floors = {kind: 1e-6 * np.max(sizes, where=kinds == kind, initial=0.0) for kind in kinds}
     scales = [max(size, floors[kind]) for size, kind in zip(sizes, kinds, strict=True)]
     return np.asarray(np.array(wrong).T / scales)

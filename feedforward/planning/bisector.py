@@ -171,7 +171,8 @@ def massless(rig: Rig, pulley: str = "pulley", rope: str = "suspension") -> Rig:
     ):
         if name not in known:
             raise RigError(f"rig {rig.name} has no {kind} {name!r}{did_you_mean(name, known)}")
-    others = tuple(name for name in rig.outputs if not name.startswith(f"{pulley}."))
+    own = [f"{pulley}.{axis}" for axis in rig.axes]
+    others = tuple(name for name in rig.outputs if name not in own)
     if len(others) != len(rig.outputs) - 1:
         raise RigError(
             f"rig {rig.name} has {len(rig.outputs) - len(others)} outputs of {pulley}, with the "
