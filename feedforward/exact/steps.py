@@ -2,6 +2,8 @@
 
 from typing import Literal, NamedTuple
 
+import numpy as np
+
 from ...models.types import Array
 from .structure import Analysis, Row
 
@@ -42,6 +44,37 @@ class Step(NamedTuple):
     loose: bool
     """Whether it places a pulley without mass, which has no place of its own where its ropes are
     straight; the limit does, and is followed by steps of least norm."""
+
+    def jacobian(self, series: Series) -> Array:
+        """Slopes of the equations, shape (equations, unknowns, N)."""
+        size, samples = len(self.rows), len(series[self.columns[0][0]][0])
+        matrix = np.empty((size, size, samples))
+        for i, slopes in enumerate(self.slopes):
+            for j, slope in enumerate(slopes):
+                matrix[i, j] = slope.at(series)
+        return matrix
+
+    def residuals(self, series: Series, reference: Array) -> Array:
+        """What the equations' coefficients are, which must vanish, shape (equations, N)."""
+        return np.array([coefficient(row, order, series, reference) for row, order in self.rows])
+
+
+def coefficient(row: Row, order: int, series: Series, reference: Array) -> Array:
+    """The coefficient of the given order of one equation, shape (N,)."""
+    total: Array | float = row.constant if order == 0 else 0.0
+    for a, j in row.linear:
+        total = total + a * series[j][order]
+    for a, j in row.second:
+        total = total + a * (order + 1) * (order + 2) * series[j][order + 2]
+    for a, j, k in row.quadratic:
+        left, right = series[j], series[k]
+        product = left[0] * right[order]
+        for i in range(1, order + 1):
+            product += left[i] * right[order - i]
+        total = total + (product if a == 1.0 else a * product)
+    if row.output is not None:
+        total = total - reference[order, :, row.output]
+    return np.asarray(total)
 
 
 def plan(analysis: Analysis, further: int = 0) -> tuple[Step, ...]:

@@ -23,23 +23,14 @@ from numpy.typing import NDArray
 
 from ...models.types import Array
 from .linear import least_norm, solve_many
+from .nonlinear import continue_along, newton, solve_quadratic
 from .problem import Problem
-from .steps import Series, Step, plan
-from .structure import Row
+from .steps import Series, Step, coefficient, plan
 
 Flags = NDArray[np.bool_]
 
-NEWTON_ITERATIONS = 25
-NEWTON_TOLERANCE = 1e-13
-"""Newton's method ends when a step is below this fraction of the unknowns' size."""
-SOLVED = 1e-9
-"""Largest residual of a solution found by steps of least norm, over the size of its terms."""
-FLOOR = 1e-3
-"""An equation's terms count as no smaller than this fraction of the largest equation's."""
 SINGULAR = 1e-11
 """A determinant below this fraction of its largest possible value counts as zero."""
-SAME = 1e-6
-"""Solutions closer than this fraction of their size are the same one."""
 
 Solved = tuple[Array, Array | None]
 """A step's determinants (N,) or one for all, and its matrices (k, k, N) unless it is scalar."""
@@ -136,45 +127,13 @@ def _solve(
     if step.kind == "linear":
         return _linear(step, series, reference)
     if step.kind == "quadratic":
-        return _quadratic(step, series, reference, guess, follow, side)
-    values, determinant, matrix = (_continuation if follow else _newton)(
+        return solve_quadratic(step, series, reference, guess, follow, side)
+    values, determinant, matrix = (continue_along if follow else newton)(
         step, series, reference, guess
     )
     for (j, order), value in zip(step.columns, values, strict=True):
         series[j][order] = value
     return determinant, matrix
-
-
-def residual(row: Row, order: int, series: Series, reference: Array) -> Array:
-    """The coefficient of the given order of one equation, shape (N,)."""
-    total: Array | float = row.constant if order == 0 else 0.0
-    for a, j in row.linear:
-        total = total + a * series[j][order]
-    for a, j in row.second:
-        total = total + a * (order + 1) * (order + 2) * series[j][order + 2]
-    for a, j, k in row.quadratic:
-        left, right = series[j], series[k]
-        product = left[0] * right[order]
-        for i in range(1, order + 1):
-            product += left[i] * right[order - i]
-        total = total + (product if a == 1.0 else a * product)
-    if row.output is not None:
-        total = total - reference[order, :, row.output]
-    return np.asarray(total)
-
-
-def _jacobian(step: Step, series: Series) -> Array:
-    """Shape (equations, unknowns, N)."""
-    size, samples = len(step.rows), len(series[step.columns[0][0]][0])
-    matrix = np.empty((size, size, samples))
-    for i, slopes in enumerate(step.slopes):
-        for j, slope in enumerate(slopes):
-            matrix[i, j] = slope.at(series)
-    return matrix
-
-
-def _residuals(step: Step, series: Series, reference: Array) -> Array:
-    return np.array([residual(row, order, series, reference) for row, order in step.rows])
 
 
 def _sign(determinant: Array, matrix: Array | None) -> Array:
@@ -196,7 +155,7 @@ def _sign(determinant: Array, matrix: Array | None) -> Array:
 
 
 def _linear(step: Step, series: Series, reference: Array) -> Solved:
-    matrix, right = _jacobian(step, series), -_residuals(step, series, reference)
+    matrix, right = step.jacobian(series), -step.residuals(series, reference)
     values, determinant = solve_many(matrix.copy(), right.copy())
     if step.loose:
         values, unsolved = least_norm(matrix, right, values, determinant)
@@ -209,107 +168,5 @@ def _linear(step: Step, series: Series, reference: Array) -> Solved:
 def _scalar(step: Step, series: Series, reference: Array) -> Solved:
     ((row, order),), ((j, highest),) = step.rows, step.columns
     slope = step.slopes[0][0].at(series)
-    series[j][highest] = residual(row, order, series, reference) / -slope
+    series[j][highest] = coefficient(row, order, series, reference) / -slope
     return np.atleast_1d(slope), None
-
-
-def _quadratic(
-    step: Step,
-    series: Series,
-    reference: Array,
-    guess: Array,
-    follow: bool,
-    known: float | None,
-) -> Solved:
-    """Solve a w^2 + b w + c = 0 for the root on the known side of the vertex, or the guess's.
-
-    The vertex moves along a path, past the guess even; the side stays the first sample's.
-    """
-    ((row, order),), ((j, _),) = step.rows, step.columns
-    c = residual(row, order, series, reference)
-    a = np.zeros_like(c)
-    b = np.zeros_like(c)
-    for factor, one, other in row.quadratic:
-        if one == other == j:
-            a += factor
-        elif j in (one, other):
-            b += factor * series[other if one == j else one][0]
-    for factor, one in row.linear:
-        if one == j:
-            b += factor
-    side = np.sign(2.0 * a * guess[j] + b)
-    if known is not None:
-        side = np.array([known])
-    elif follow:
-        side = side[:1]
-    determinant = side * np.sqrt(b * b - 4.0 * a * c)
-    # Of the two forms of the root the one without cancellation.
-    value = np.where(side * b > 0, -2.0 * c / (b + determinant), (determinant - b) / (2.0 * a))
-    linear = a == 0
-    if linear.any():
-        value = np.where(linear, -c / b, value)
-    series[j][order] = value
-    return determinant, None
-
-
-def _newton(
-    step: Step, series: Series, reference: Array, guess: Array, window: slice = slice(None)
-) -> tuple[Array, Array, Array]:
-    """Newton's method from a guess, at the samples of a window.
-
-    Returns the unknowns (k, N), NaN where the method does not converge, the determinants (N,)
-    and the matrices (k, k, N).
-    """
-    local = [[values[window] for values in known] for known in series]
-    part = reference[:, window]
-    start = np.broadcast_to(guess, (len(guess), part.shape[1]))
-    for j, order in step.columns:
-        if order == 0:
-            local[j][0] = start[j]
-    for _ in range(NEWTON_ITERATIONS):
-        matrix, right = _jacobian(step, local), -_residuals(step, local, part)
-        change, determinant = solve_many(matrix.copy(), right.copy())
-        if step.loose:
-            change, _ = least_norm(matrix, right, change, determinant)
-        for (j, order), delta in zip(step.columns, change, strict=True):
-            local[j][order] = local[j][order] + delta
-        values = np.array([local[j][order] for j, order in step.columns])
-        done = np.abs(change).max(axis=0) <= NEWTON_TOLERANCE * np.abs(values).max(axis=0)
-        if step.loose:  # near a singular place the last digits of a solution are undetermined
-            size = (np.abs(matrix) * np.abs(values)).sum(axis=1)
-            wrong = (np.abs(right) / np.maximum(size, FLOOR * size.max(axis=0))).max(axis=0)
-            done = (wrong <= NEWTON_TOLERANCE) | (done & (wrong <= SOLVED))
-        if done.all():
-            break
-    return np.where(done, values, np.nan), determinant, matrix
-
-
-def _continuation(
-    step: Step, series: Series, reference: Array, guess: Array
-) -> tuple[Array, Array, Array]:
-    """Newton's method along the samples, each solution continuing the one before it.
-
-    A first try starts every sample from the first one's solution.  A sample continues its
-    predecessor if Newton's method started there ends at the same solution; from the first
-    that does not, the rest is solved anew.  Returns as `_newton`.
-    """
-    values, determinant, matrix = _newton(step, series, reference, guess)
-    samples = values.shape[1]
-    columns = [j for j, _ in step.columns]
-    front = 0
-    while True:
-        window = slice(front, samples)
-        before = np.zeros((len(guess), samples - front))
-        before[columns] = values[:, [front, *range(front, samples - 1)]]
-        again, *_ = _newton(step, series, reference, before, window)
-        distance = np.abs(again - values[:, window]).max(axis=0)
-        apart = ~(distance <= SAME * np.abs(again).max(axis=0))
-        if not apart[1:].any() or apart[0]:
-            return values, determinant, matrix
-        front += 1 + int(apart[1:].argmax())
-        start = np.zeros((len(guess), 1))
-        start[columns, 0] = values[:, front - 1]
-        window = slice(front, samples)
-        values[:, window], determinant[window], matrix[..., window] = _newton(
-            step, series, reference, start, window
-        )
