@@ -9,12 +9,14 @@
     env = envs.PoseFeedback(envs.Feedforward(envs.PD(env)))
 
 Importing this package registers them; `flatrig.envs.crane.task` documents the options of cranes,
-`flatrig.envs.hand.task` those of hands.
+`flatrig.envs.hand.task` those of hands.  `flatrig.envs.controllers` shows a controller of one's own
+(`Law`, `wrap`, `task_of`), `flatrig.envs.ranges` a disturbance of one's own.
 """
 
 import gymnasium as gym
 
-from .controllers import PD, Feedforward, Residual
+from .common import Range
+from .controllers import PD, Feedforward, Law, Residual, task_of, wrap
 from .crane.disturbances import Disturbances, Scenario, design
 from .crane.env import CraneEnv, CraneVectorEnv
 from .crane.friction_compensation import FrictionCompensation
@@ -26,6 +28,7 @@ from .hand.env import HandEnv, HandVectorEnv
 from .hand.goals import RandomGoals
 from .hand.pose_controller import PoseFeedback
 from .hand.task import HandTask
+from .ranges import quantity
 
 __all__ = [
     "ENVIRONMENTS",
@@ -43,14 +46,19 @@ __all__ = [
     "HandScenario",
     "HandTask",
     "HandVectorEnv",
+    "Law",
     "Outcome",
     "PoseFeedback",
     "RandomGoals",
     "RandomMoves",
+    "Range",
     "Residual",
     "Scenario",
     "design",
     "hand_design",
+    "quantity",
+    "task_of",
+    "wrap",
 ]
 
 OWN = "flatrig/Rig-v0"
@@ -77,25 +85,17 @@ HAND_ENVIRONMENTS = {
 }
 """Hand of the catalogue for each registered environment."""
 
-for _name, _rig in (*ENVIRONMENTS.items(), (OWN, None)):
+_CRANES = [(name, "Crane", {"rig": rig}) for name, rig in ENVIRONMENTS.items()]
+_HANDS = [(name, "Hand", {"hand": hand}) for name, hand in HAND_ENVIRONMENTS.items()]
+
+for _name, _kind, _options in (*_CRANES, (OWN, "Crane", {}), *_HANDS):
     if _name not in gym.registry:
         # Gymnasium's checking wrappers cost as much as the task itself; the tests run them.
         gym.register(
             _name,
-            entry_point="flatrig.envs.single:CraneEnv",
-            vector_entry_point="flatrig.envs.vector:CraneVectorEnv",
-            kwargs={} if _rig is None else {"rig": _rig},
-            disable_env_checker=True,
-            order_enforce=False,
-        )
-
-for _name, _hand in HAND_ENVIRONMENTS.items():
-    if _name not in gym.registry:
-        gym.register(
-            _name,
-            entry_point="flatrig.envs.hand_env:HandEnv",
-            vector_entry_point="flatrig.envs.hand_env:HandVectorEnv",
-            kwargs={"hand": _hand},
+            entry_point=f"flatrig.envs:{_kind}Env",
+            vector_entry_point=f"flatrig.envs:{_kind}VectorEnv",
+            kwargs=_options,
             disable_env_checker=True,
             order_enforce=False,
         )

@@ -8,10 +8,28 @@ down; only the environment clips.  All work on single and vector environments th
 code: `PD(env)` returns a `gym.Wrapper` or a `gym.vector.VectorWrapper` as `env` needs.
 
 `PD` and `Feedforward` stand in any order, each once; `Residual` stands on top of them, because it
-clips and scales whatever comes from above.  `flatrig.envs.compensation` has one more.
+clips and scales whatever comes from above.  `flatrig.envs.crane.friction_compensation` and
+`flatrig.envs.hand.pose_controller` have one more each.
 
 The inputs that hold the rig at rest (a winch carries its load) are needed once.  `PD` adds them
 unless a controller below does; `Feedforward`, which contains them, leaves out what is added below.
+
+A controller of one's own is a `Law`, for n simulations at once, and a function that wraps an
+environment, single or vector, in it:
+
+    class Damping(envs.Law):
+        name = "damped"
+
+        def __init__(self, task, share):
+            self.task, self.share = task, share
+
+        def apply(self, actions):
+            return actions - self.share * self.task.encoders.rates
+
+    def damped(env, share=0.1):
+        return envs.wrap(env, Damping(envs.task_of(env), share), share=share)
+
+It reads what is measured off `task.encoders`, and what is planned off `task.rows`.
 """
 
 from abc import ABC, abstractmethod
@@ -35,17 +53,17 @@ AnyEnv = gym.Env[Any, Any] | VectorEnv[Any, Any, Any]
 
 
 class Law(ABC):
-    """What a controller does with an action; stateless, for n simulations."""
+    """What a controller does with the actions for n simulations; see the module for an example."""
 
     name: str
-    """Of the function that wraps an environment in it."""
+    """Name of the function, in the same module, that wraps an environment in it."""
 
     @abstractmethod
     def apply(self, actions: Array) -> Array:
         """Actions to hand down, (n, drives), from those from above."""
 
     def holding(self) -> Array | None:
-        """The part of it that holds the rig at rest, (n, drives) over the limits, if any."""
+        """The part of it that holds the plant at rest, (n, drives) over the limits, if any."""
         return None
 
 
@@ -69,14 +87,14 @@ class PDLaw(Law):
         inputs = feedback[:, :drives] + feedback[:, drives:]
         inputs += actions
         if self._hold:
-            inputs += self._held()
+            inputs += self._equilibrium()
         return np.asarray(inputs)
 
     def holding(self) -> Array | None:
         """Inputs of the equilibrium, along the reference or at its goal (K 3.62)."""
-        return self._held() if self._hold else None
+        return self._equilibrium() if self._hold else None
 
-    def _held(self) -> Array:
+    def _equilibrium(self) -> Array:
         return self._task.rows.parts["holding"] if self.moving else self._task.rows.goal_inputs
 
 
@@ -91,8 +109,8 @@ class FeedforwardLaw(Law):
     def apply(self, actions: Array) -> Array:
         """Add the feedforward."""
         inputs = self._task.rows.parts["feedforward"]
-        held = None if self._below is None else self._below.holding()
-        return np.asarray(actions + (inputs if held is None else inputs - held))
+        added = None if self._below is None else self._below.holding()
+        return np.asarray(actions + (inputs if added is None else inputs - added))
 
     def holding(self) -> Array | None:
         """The equilibrium is part of the feedforward."""
@@ -113,7 +131,7 @@ class ResidualLaw(Law):
 
 
 class Controller(gym.Wrapper[Any, Any, Any, Any]):
-    """A law in front of a single environment."""
+    """A law in front of a single environment; `options` make the same controller again."""
 
     def __init__(
         self, env: gym.Env[Any, Any], law: Law, options: Mapping[str, Any] | None = None
@@ -125,12 +143,7 @@ class Controller(gym.Wrapper[Any, Any, Any, Any]):
     @property
     def spec(self) -> EnvSpec | None:  # type: ignore[override]
         """What `gym.make` makes an environment with the same controllers of."""
-        if self.env.spec is None:
-            return None
-        name, module = self.law.name, type(self.law).__module__
-        mine = WrapperSpec(name, f"{module}:{name}", self._options)
-        below = self.env.spec
-        return replace(below, additional_wrappers=(*below.additional_wrappers, mine))
+        return _spec_with(self.env.spec, self.law, self._options)
 
     def step(self, action: ArrayLike) -> Any:
         """Hand down what the law makes of the action."""
@@ -138,17 +151,32 @@ class Controller(gym.Wrapper[Any, Any, Any, Any]):
 
 
 class VectorController(VectorWrapper[Any, Any, Any, Any, Any]):
-    """A law in front of a vector environment."""
+    """A law in front of a vector environment; `options` make the same controller again."""
 
-    def __init__(self, env: VectorEnv[Any, Any, Any], law: Law) -> None:
+    def __init__(
+        self, env: VectorEnv[Any, Any, Any], law: Law, options: Mapping[str, Any] | None = None
+    ) -> None:
         super().__init__(env)
-        self.law = law
+        self.law, self._options = law, dict(options or {})
         task = task_of(env)
         self._shape = (task.num, *task.limits.shape)
+
+    @property
+    def spec(self) -> EnvSpec | None:  # type: ignore[override]
+        """The environment's, with the controllers, which `gym.make_vec` leaves to its caller."""
+        return _spec_with(self.env.spec, self.law, self._options)
 
     def step(self, actions: ArrayLike) -> Any:
         """Hand down what the law makes of the actions."""
         return self.env.step(self.law.apply(actions_of(actions, self._shape)))
+
+
+def _spec_with(below: EnvSpec | None, law: Law, options: dict[str, Any]) -> EnvSpec | None:
+    """The spec of what is below a controller, with the controller."""
+    if below is None:
+        return None
+    wrapper = WrapperSpec(law.name, f"{type(law).__module__}:{law.name}", options)
+    return replace(below, additional_wrappers=(*below.additional_wrappers, wrapper))
 
 
 def PD(
@@ -163,7 +191,7 @@ def PD(
     Parameters
     ----------
     env
-        A crane, single or vector, wrapped or not.
+        A crane or hand, single or vector, wrapped or not.
     track
         "moving": towards the reference; "set point": towards its goal from the start (K 3.62).
     stiffness, damping
@@ -174,19 +202,21 @@ def PD(
     Raises
     ------
     OptionError
-        `track` is unknown, gains are negative or not one for each drive, `env` is no crane, or
-        a `PD` or a `Residual` stands below.
+        `track` is unknown, gains are negative or not one for each drive, `env` is neither a
+        crane nor a hand, or a `PD` or a `Residual` stands below.
     """
     task = task_of(env)
     refuse_below(env, "PD")
     if track not in ("moving", "set point"):
         raise OptionError(f'track is {track!r}, it must be "moving" or "set point"')
-    asked = {"stiffness": stiffness, "damping": damping}
-    given = {name: _gain(task, name, value) for name, value in asked.items() if value is not None}
-    gains = task.gains(track)._replace(**given)
-    held = any(law.holding() is not None for law in laws_of(env))
-    law = PDLaw(task, gains, track == "moving", not held)
-    return wrap(env, law, track=track, **{name: value.tolist() for name, value in given.items()})
+    own = {
+        name: _gain(task, name, value)
+        for name, value in (("stiffness", stiffness), ("damping", damping))
+        if value is not None
+    }
+    holds_below = any(law.holding() is not None for law in laws_of(env))
+    law = PDLaw(task, task.gains(track)._replace(**own), track == "moving", not holds_below)
+    return wrap(env, law, track=track, **{name: value.tolist() for name, value in own.items()})
 
 
 def Feedforward(env: AnyEnv) -> Any:
@@ -195,12 +225,12 @@ def Feedforward(env: AnyEnv) -> Any:
     Raises
     ------
     OptionError
-        `env` is no crane, or a `Feedforward` or a `Residual` stands below.
+        `env` is neither a crane nor a hand, or a `Feedforward` or a `Residual` stands below.
     """
     task = task_of(env)
     refuse_below(env, "Feedforward")
-    holders = [law for law in laws_of(env) if law.holding() is not None]
-    return wrap(env, FeedforwardLaw(task, holders[0] if holders else None))
+    holding = (law for law in laws_of(env) if law.holding() is not None)
+    return wrap(env, FeedforwardLaw(task, next(holding, None)))
 
 
 def Residual(env: AnyEnv, fraction: float = 0.2) -> Any:
@@ -211,7 +241,8 @@ def Residual(env: AnyEnv, fraction: float = 0.2) -> Any:
     Raises
     ------
     OptionError
-        The fraction is not in (0, 1], `env` is no crane, or a `Residual` stands below.
+        The fraction is not in (0, 1], `env` is neither a crane nor a hand, or a `Residual` stands
+        below.
     """
     task_of(env)
     refuse_below(env, "Residual")
@@ -233,9 +264,25 @@ def task_of(env: AnyEnv) -> AnyTask:
 
 
 def wrap(env: AnyEnv, law: Law, **options: Any) -> Controller | VectorController:
-    """The law in front of an environment, single or vector; `options` go into its `spec`."""
+    """Put a law in front of an environment.
+
+    Parameters
+    ----------
+    env
+        A crane or hand, single or vector, wrapped or not.
+    law
+        What the controller does.
+    **options
+        With which the function of the law's name makes the same controller again; they go into
+        the `spec`, and are plain values where that is to be saved.
+
+    Raises
+    ------
+    OptionError
+        `env` is neither a crane nor a hand.
+    """
     if isinstance(env, VectorEnv):
-        return VectorController(env, law)
+        return VectorController(env, law, options)
     return Controller(env, law, options)
 
 
