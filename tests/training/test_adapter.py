@@ -12,6 +12,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from flatrig import feedforward, models
 from flatrig.training.compare import compare_cranes as compare
+from flatrig.training.compare.contenders import with_residual
 from flatrig.training.learn.sb3 import Adapter
 from flatrig.training.learn.teacher import Teacher
 from flatrig.training.learn.tutor import FAILURE, REWARD, Tutor
@@ -25,7 +26,7 @@ def adapter(num: int = 3, hold: float = 0.1, episode: int = 10_000, every: int =
     names = compare.environment(RIG, MOVE, 1).observation_names
     env = compare.environment(RIG, MOVE, num, sensors="full", hold=hold)
     teacher = Teacher(env.task, feedforward.from_move(MOVE), 0.1)
-    tutor = Tutor(compare.with_residual(env, 0.2), names, 0.1, teacher)
+    tutor = Tutor(with_residual(env, 0.2), names, 0.1, teacher)
     recall = Recall(len(names), 2, 0.02, (0.2, 1.0), 0.5, every, (1.0, 1.0))
     made = Adapter(tutor, recall, episode)
     made.seed(11)
@@ -82,7 +83,7 @@ def test_the_teacher_brings_the_load_to_its_path() -> None:
     teacher = Teacher(runner.task, feedforward.from_move(MOVE), 0.12)
     found = []
     for taught in (0.0, 1.0):
-        env = compare.with_residual(runner.env, float(teacher.fractions.max()))
+        env = with_residual(runner.env, float(teacher.fractions.max()))
         env.reset(seed=0, options={"scenarios": runner.scenarios})
         teacher.reset()
         teacher.watch()
@@ -134,7 +135,7 @@ def test_the_critic_is_told_the_scenario_and_the_actor_is_not() -> None:
 
 def test_public_entries_are_what_the_encoders_environment_shows() -> None:
     made = adapter()
-    plain = compare.with_residual(compare.environment(RIG, MOVE, 3, hold=0.1), 0.2)
+    plain = with_residual(compare.environment(RIG, MOVE, 3, hold=0.1), 0.2)
     scenarios = compare.scenarios_for(RIG, 3)
     seen, _ = made.env.reset(seed=0, options={"scenarios": scenarios})
     expected, _ = plain.reset(seed=0, options={"scenarios": scenarios})
@@ -149,7 +150,7 @@ def test_public_entries_come_in_the_order_asked_for() -> None:
     env = compare.environment(RIG, MOVE, 2, sensors="full", hold=0.1)
     names = env.observation_names
     teacher = Teacher(env.task, feedforward.from_move(MOVE), 0.1)
-    tutor = Tutor(compare.with_residual(env, 0.2), names[::-1], 0.1, teacher)
+    tutor = Tutor(with_residual(env, 0.2), names[::-1], 0.1, teacher)
     told, _ = tutor.reset(seed=0)
     plain, _ = compare.environment(RIG, MOVE, 2, sensors="full", hold=0.1).reset(seed=0)
     assert np.abs(plain - plain[:, ::-1]).max() > 0

@@ -2,22 +2,26 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from flatrig import models
-from flatrig.envs import Scenario
+from flatrig.envs import Feedforward, Law, Scenario, wrap
 from flatrig.models.errors import OptionError
 from flatrig.training.cli import main
 from flatrig.training.compare import compare_cranes as compare
-from flatrig.training.compare import report
+from flatrig.training.compare.contenders import BASE, CONTENDERS, contender, contenders_for
 from flatrig.training.compare.metrics import NAMES, between
 from flatrig.training.policy import Card, Policy
 
 RIG = models.overhead_crane()
 MOVE = models.Move(start=(0.0, -4.0), goal=(1.0, -3.5), duration=2.0)
+CONTROLLERS = {entry.name: entry.wrap for entry in contenders_for("crane") if not entry.learned}
+RESIDUAL = "FF + PD + residual"
 
 
 def zero_policy(runner: compare.Runner, fraction: float = 0.2, action: float = 0.0) -> Policy:
@@ -51,19 +55,19 @@ def runner() -> compare.Runner:
 
 def test_exact_feedforward_is_exact_without_disturbances() -> None:
     runner = compare.Runner(RIG, MOVE, [Scenario()])
-    for name in ("feedforward", compare.BASE):
-        record = runner.drive(compare.CONTROLLERS[name])
+    for name in ("feedforward", BASE):
+        record = runner.drive(CONTROLLERS[name])
         assert record.distance.max() < 2e-3  # inputs are held for 20 ms
         assert record.alive.all()
         assert record.times[-1] == pytest.approx(2.0 + compare.HOLD)
-    slow = runner.drive(compare.CONTROLLERS["PD, set point"])
+    slow = runner.drive(CONTROLLERS["PD, set point"])
     assert slow.distance.max() > 0.1
 
 
 def test_a_run_does_not_depend_on_those_before_it(runner: compare.Runner) -> None:
-    wrap = compare.CONTROLLERS[compare.BASE]
+    wrap = CONTROLLERS[BASE]
     first = runner.drive(wrap)
-    runner.drive(compare.CONTROLLERS["PD, moving"])
+    runner.drive(CONTROLLERS["PD, moving"])
     second = runner.drive(wrap)
     np.testing.assert_array_equal(first.load, second.load)
     np.testing.assert_array_equal(first.tensions, second.tensions)
@@ -86,7 +90,7 @@ def test_a_policy_for_something_else_is_refused(runner: compare.Runner) -> None:
 
 
 def test_controllers_do_what_their_names_say(runner: compare.Runner) -> None:
-    records = {name: runner.drive(wrap) for name, wrap in compare.CONTROLLERS.items()}
+    records = {name: runner.drive(wrap) for name, wrap in CONTROLLERS.items()}
     delayed = np.array([scenario.delay for scenario in runner.scenarios])
     first = {
         name: made.inputs[delayed, np.arange(len(delayed)), 0] for name, made in records.items()
@@ -113,18 +117,18 @@ def test_compare_writes_tables_and_figure(
     argv += ["--policy", str(tmp_path / "zero.json"), "-o", str(tmp_path / "out")]
     assert main(argv) == 0
     out = capsys.readouterr().out
-    names = [*compare.CONTROLLERS, compare.RESIDUAL]
+    names = [*CONTROLLERS, RESIDUAL]
     for name in names:
         assert name in out
-    assert f"{compare.RESIDUAL}: tracking error +0.0 %" in out
+    assert f"{RESIDUAL}: tracking error +0.0 %" in out
     with (tmp_path / "out/scenarios.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["controller"] for row in rows] == [name for name in names for _ in range(3)]
     masses = [row["load_mass"] for row in rows]
     assert masses == masses[:3] * len(names)
     facts = json.loads((tmp_path / "out/summary.json").read_text())
-    rmse = facts["controllers"][compare.BASE]["rmse"]
-    mine = [float(row["rmse"]) for row in rows if row["controller"] == compare.BASE]
+    rmse = facts["controllers"][BASE]["rmse"]
+    mine = [float(row["rmse"]) for row in rows if row["controller"] == BASE]
     assert rmse["mean"] == pytest.approx(np.mean(mine))
     assert rmse["low"] <= rmse["mean"] <= rmse["high"]
     assert (tmp_path / "out/figure.png").read_bytes().startswith(b"\x89PNG")
@@ -139,12 +143,13 @@ def test_nominal_needs_no_policy(tmp_path: Path, capsys: pytest.CaptureFixture[s
 
 
 def test_intervals_are_of_the_same_resamples_for_all(runner: compare.Runner) -> None:
-    metrics = runner.residual(None)
-    record = runner.drive(compare.CONTROLLERS[compare.BASE])
-    runs = [compare.Run(name, record, metrics) for name in ("one", "other")]
-    found = report.summary(runs)
-    assert found["one"] == found["other"]
-    assert report.changes(runs, "one")["other"].high == 0.0
+    comparison = compare.compare(RIG, MOVE, runner.scenarios, None)
+    base = next(run for run in comparison.runs if run.name == BASE)
+    other = replace(base, contender=replace(base.contender, name="other"))
+    comparison = replace(comparison, runs=[base, other])
+    means = comparison.means
+    assert means[BASE]["rmse"] == means["other"]["rmse"]
+    assert comparison.changes["other"].high == 0.0
 
 
 def test_a_platform_is_judged_by_place_and_orientation(
@@ -156,7 +161,7 @@ def test_a_platform_is_judged_by_place_and_orientation(
     start = models.default_move(rig).start
     goal = (*start[:3], 0.1, 0.0, 0.2, start[6])
     move = models.Move(start=start, goal=goal, duration=3.0)
-    record = compare.Runner(rig, move, [Scenario()]).drive(compare.CONTROLLERS["feedforward"])
+    record = compare.Runner(rig, move, [Scenario()]).drive(CONTROLLERS["feedforward"])
     assert record.turn is not None
     assert record.turn.max() < 1e-3
     argv = ["compare", "cable-manipulator", "--goal", *map(str, goal), "--duration", "3"]
@@ -175,3 +180,35 @@ def test_the_angle_between_orientations_is_of_one_rotation() -> None:
     assert between(np.array((0.2, 0.4, 1.0)), np.array((0.2, 0.4, 1.7))) == pytest.approx(0.7)
     quarter = np.array((np.pi / 2, 0.0, np.pi / 2))  # two quarter turns are a third about (1,1,1)
     assert between(np.zeros(3), quarter) == pytest.approx(2 * np.pi / 3)
+
+
+HALF = 0.5
+"""Share of the feedback's input that a made-up law takes away."""
+
+
+class Halved(Law):
+    """Half of what comes from above."""
+
+    name = "Halved"
+
+    def apply(self, actions: np.ndarray) -> np.ndarray:
+        return HALF * actions
+
+
+@pytest.mark.parametrize("rig", ["overhead", "ball-on-plate"])
+def test_a_controller_is_registered_once(
+    rig: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """How to add a controller to the comparison: a registered function of the environment."""
+    name = "halved feedforward"
+    monkeypatch.setitem(CONTENDERS, name, CONTENDERS[BASE])  # which takes it out again
+
+    @contender(name)
+    def halved(env: Any) -> Any:
+        return Feedforward(wrap(env, Halved()))
+
+    assert main(["compare", rig, "--nominal", "-o", str(tmp_path)]) == 0
+    assert "halved feedforward" in " ".join(capsys.readouterr().out.split())
+    with (tmp_path / "scenarios.csv").open(newline="") as file:
+        rows = {row["controller"]: float(row["rmse"]) for row in csv.DictReader(file)}
+    assert rows[name] > 2 * rows["feedforward"]

@@ -6,7 +6,7 @@ a difference between controllers, and intervals are of paired bootstrap resample
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -14,51 +14,43 @@ import numpy as np
 from rich.progress import track
 
 from ... import feedforward
-from ...envs import PD, CraneVectorEnv, Feedforward, Residual
+from ...envs import CraneVectorEnv
 from ...envs.crane.disturbances import Disturbances, Scenario, design
 from ...envs.crane.payloads import payloads
 from ...models import Move, Rig
 from ...models.errors import OptionError
+from ...models.files import make_folder
 from ...models.types import Array
 from .. import options
 from ..console import console
 from ..policy import Policy, shipped
-from .metrics import Metrics, Record, between, measure
+from .contenders import EVALUATION_SEED, contenders_for, with_residual
+from .metrics import SETTLED, Metrics, Record, between, measure
+from .report import INTERVALS, Column, Comparison, Run, show, write
 
-EVALUATION_SEED = 2016_2001
-"""Of the scenarios on which controllers are compared."""
 HOLD = 4.0
 """How long a run goes on after arrival [s]."""
-
-RESIDUAL = "FF + PD + residual"
-BASE = "FF + PD"
-CONTROLLERS: dict[str, Callable[[Any], Any]] = {
-    "PD, set point": lambda env: PD(env, track="set point"),
-    "PD, moving": lambda env: PD(env, track="moving"),
-    "feedforward": Feedforward,
-    BASE: lambda env: Feedforward(PD(env)),
-}
-"""Controllers without a learned part: name, and what wraps the environment."""
-
-
-@dataclass(frozen=True, eq=False)
-class Run:
-    """One controller's runs over all scenarios."""
-
-    name: str
-    record: Record
-    metrics: Metrics
+COLUMNS = (
+    Column("rmse", "tracking\nRMSE [mm]", 1e3, 1),
+    Column("largest", "largest\nerror [mm]", 1e3, 0),
+    Column("swing", "swing after\narrival [mm]", 1e3, 1),
+    Column("settling", "settling\ntime [s]", 1.0, 2),
+    Column("effort", "effort\n[% of limit]", 1e2, 1),
+    Column("tension", "lowest\ntension [N]", 1.0, 0),
+)
+TURN = Column("turn", "turned\nby [deg]", 180.0 / np.pi, 2)
+"""One more where a platform has a reference for its orientation."""
+NOTES = (
+    f"Settled: stays within {1e3 * SETTLED:g} mm of the goal; one that does not counts with "
+    "the whole time after arrival. "
+    "After an early end the load counts as resting, and its swing not at all."
+)
 
 
 def environment(rig: Rig, move: Move, num: int, **more: Any) -> Any:
     """The vector environment in which controllers are trained and compared."""
     given: dict[str, Any] = {"disturbances": Disturbances.standard(rig), "hold": HOLD} | more
     return CraneVectorEnv(rig, num_envs=num, reference=move, **given)
-
-
-def with_residual(env: Any, fraction: float) -> Any:
-    """The environment whose action is a residual on feedforward and PD."""
-    return Residual(Feedforward(PD(env)), fraction=fraction)
 
 
 def scenarios_for(rig: Rig, number: int, seed: int = EVALUATION_SEED) -> list[Scenario]:
@@ -144,8 +136,6 @@ def carried(rig: Rig) -> tuple[list[int], list[int]]:
 
 def main(command: options.Compare) -> None:
     """Compare, print the table, and save tables and figure."""
-    from .report import make_folder, show, write
-
     rig, move = command.target()
     if command.scenarios < 1:
         raise OptionError(f"--scenarios is {command.scenarios}, it must be >= 1")
@@ -153,30 +143,67 @@ def main(command: options.Compare) -> None:
     policy = Policy.load(command.policy) if command.policy else shipped(rig.name)
     scenarios = [Scenario()] if command.nominal else scenarios_for(rig, command.scenarios)
     make_folder(folder)
-    runs = compare(rig, move, scenarios, policy)
-    write(folder, rig, runs, scenarios)
-    show(rig, runs, scenarios, folder, policy)
-    if policy is not None:
-        origin = command.policy or f"shipped with flatrig, {policy.card.training.get('command')}"
-        console().print(f"residual: {origin}", style="dim", soft_wrap=True)
+    if policy is None:
+        origin = f"no policy is shipped for {rig.name}"
     else:
-        console().print(f"residual: no policy is shipped for {rig.name}", style="dim")
+        origin = command.policy or f"shipped with flatrig, {policy.card.training.get('command')}"
+    comparison = compare(rig, move, scenarios, policy, origin)
+    write(comparison, folder)
+    show(comparison, folder)
 
 
 def compare(
-    rig: Rig, move: Move, scenarios: Sequence[Scenario], policy: Policy | None
-) -> list[Run]:
-    """Drive the scenarios with every controller, with the residual last if there is a policy."""
-    sensors = policy.card.sensors if policy else "encoders"
-    runner = Runner(rig, move, scenarios, sensors=sensors)
+    rig: Rig, move: Move, scenarios: Sequence[Scenario], policy: Policy | None, origin: str = ""
+) -> Comparison:
+    """Drive the scenarios with every contender.
+
+    Parameters
+    ----------
+    rig, move
+        The crane and its move.
+    scenarios
+        How each plant differs from the rig.
+    policy
+        Policy of the learned contenders, which are left out without one.
+    origin
+        Where the policy comes from, in words.
+
+    Raises
+    ------
+    OptionError
+        The policy does not suit the environment.
+    """
+    runner = cache(lambda sensors: Runner(rig, move, scenarios, sensors=sensors))
     if policy is not None:
-        policy.check(runner.task)
-    wraps = dict(CONTROLLERS)
-    if policy is not None:
-        fraction = policy.card.fraction
-        wraps[RESIDUAL] = lambda env: with_residual(env, fraction)
+        policy.check(runner(policy.card.sensors).task)
+    entries = contenders_for("crane")
+    absent = [entry for entry in entries if entry.learned and policy is None]
     runs = []
-    for name in track(wraps, "Driving", transient=True, console=console()):
-        record = runner.drive(wraps[name], policy if name == RESIDUAL else None)
-        runs.append(Run(name, record, measure(record)))
-    return runs
+    running = [entry for entry in entries if entry not in absent]
+    for entry in track(running, "Driving", transient=True, console=console()):
+        if policy is not None and entry.learned:
+            wrap = partial(entry.wrap, fraction=policy.card.fraction)
+            record = runner(policy.card.sensors).drive(wrap, policy)
+        else:
+            record = runner(entry.sensors).drive(entry.wrap)
+        runs.append(Run(entry, record.distance, measure(record)))
+    turned = np.isfinite(runs[0].metrics.turn).any()
+    return Comparison(
+        kind="rig",
+        name=rig.name,
+        thing="Load",
+        units="m, rad, s, N, shares of the limits",
+        scenarios=scenarios,
+        times=record.times,
+        arrival=float(np.min(record.arrival)),
+        runs=runs,
+        absent=absent,
+        columns=(*COLUMNS, TURN) if turned else COLUMNS,
+        cells={
+            "settled": lambda metrics: str(int(metrics.settled.sum())),
+            "ended\nearly": lambda metrics: str(int(metrics.failed.sum())),
+        },
+        notes=NOTES + (f" {INTERVALS}" if len(scenarios) > 1 else ""),
+        residual=origin,
+        relative=True,
+    )

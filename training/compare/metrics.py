@@ -10,6 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from ...models.types import Array
 
@@ -110,25 +111,9 @@ def _turn(record: Record) -> Array:
 
 def between(angles: Array, others: Array) -> Array:
     """Angle of the rotation between Bryant angles (..., 3) and others [rad], shape (...)."""
-    apart = np.swapaxes(_rotation(angles), -1, -2) @ _rotation(others)
-    # From the skew part too: the trace alone loses small angles.
-    axis = np.stack([apart[..., i, j] - apart[..., j, i] for i, j in ((2, 1), (0, 2), (1, 0))])
-    double = np.trace(apart, axis1=-2, axis2=-1) - 1.0
-    return np.asarray(np.arctan2(np.linalg.norm(axis, axis=0), double))
-
-
-def _rotation(angles: Array) -> Array:
-    """Rx(alpha) Ry(beta) Rz(gamma), shape (..., 3, 3) (Y 6.56)."""
-    turned = np.broadcast_to(np.eye(3), (*angles.shape[:-1], 3, 3))
-    for axis in (2, 1, 0):
-        cos, sin = np.cos(angles[..., axis]), np.sin(angles[..., axis])
-        one, two = (axis + 1) % 3, (axis + 2) % 3
-        about = np.zeros_like(turned)
-        about[..., axis, axis] = 1.0
-        about[..., one, one] = about[..., two, two] = cos
-        about[..., two, one], about[..., one, two] = sin, -sin
-        turned = about @ turned
-    return turned
+    # Rx(alpha) Ry(beta) Rz(gamma), Y 6.56.
+    first, second = (Rotation.from_euler("XYZ", np.reshape(a, (-1, 3))) for a in (angles, others))
+    return np.asarray((first.inv() * second).magnitude().reshape(np.shape(angles)[:-1]))
 
 
 def _swing(horizontal: Array, counted: NDArray[np.bool_]) -> Array:
@@ -157,12 +142,16 @@ class Estimate:
     low: float
     high: float
 
-    def format(self, digits: int) -> tuple[str, str]:
-        """Mean and interval as text."""
+    def scaled(self, factor: float) -> "Estimate":
+        """The same in another unit, one of whose is 1 / `factor` of this one's."""
+        return Estimate(factor * self.mean, factor * self.low, factor * self.high)
+
+    def format(self, digits: int, sign: str = "-") -> tuple[str, str]:
+        """Mean and interval as text; a plus sign stands before positive numbers if "+"."""
         if not np.isfinite(self.mean):
             return "-", ""
-        low, high = f"{self.low:.{digits}f}", f"{self.high:.{digits}f}"
-        return f"{self.mean:.{digits}f}", f"[{low}, {high}]"
+        low, high = (f"{value:{sign}.{digits}f}" for value in (self.low, self.high))
+        return f"{self.mean:{sign}.{digits}f}", f"[{low}, {high}]"
 
 
 def paired_means(values: Array, seed: int = 0, resamples: int = RESAMPLES) -> Array:

@@ -1,148 +1,149 @@
-"""The table, the files and the figure of a comparison."""
+"""The table, the files and the figure of a comparison, of cranes as of hands."""
 
 import json
-import os
-from collections.abc import Sequence
-from dataclasses import asdict, fields
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from rich.text import Text
 
-from ...envs.crane.disturbances import Scenario
-from ...models import Rig
-from ...models.files import OutputError, write_text
+from ...models.files import write_text
+from ...models.types import Array
 from ..console import console
-from ..policy import Policy
 from ..tables import table, write_csv
-from .metrics import NAMES, RESAMPLES, SETTLED, Estimate, estimates, relative_change
+from .contenders import BASE, Contender
+from .metrics import RESAMPLES, Estimate, estimates, relative_change
 
-if TYPE_CHECKING:
-    from .compare_cranes import Run
-
-COLUMNS = {
-    "rmse": ("tracking\nRMSE [mm]", 1e3, 1),
-    "largest": ("largest\nerror [mm]", 1e3, 0),
-    "swing": ("swing after\narrival [mm]", 1e3, 1),
-    "settling": ("settling\ntime [s]", 1.0, 2),
-    "effort": ("effort\n[% of limit]", 1e2, 1),
-    "tension": ("lowest\ntension [N]", 1.0, 0),
-}
-"""Metric: heading, factor of the unit shown, digits."""
-TURN = {"turn": ("turned\nby [deg]", 180.0 / np.pi, 2)}
-"""The same where a platform has a reference for its orientation."""
+INTERVALS = f"Intervals: paired bootstrap, {RESAMPLES} resamples."
 
 
-def make_folder(folder: Path) -> None:
-    """Make a result folder, or say at once that it cannot be written.
+@dataclass(frozen=True)
+class Column:
+    """A column of the table with the mean of a metric and its interval."""
 
-    Raises
-    ------
-    OutputError
-        It cannot.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot write {folder}: {error.strerror}") from None
-    if not os.access(folder, os.W_OK):
-        raise OutputError(f"cannot write {folder}: Permission denied")
+    metric: str
+    """Field of the metrics."""
+    heading: str
+    """Heading with the unit."""
+    factor: float
+    """That unit's number in one of the metric's own."""
+    digits: int
+    """Digits after the point."""
 
 
-def summary(runs: Sequence["Run"]) -> dict[str, dict[str, Estimate]]:
-    """Mean and interval of every metric of every controller."""
-    found: dict[str, dict[str, Estimate]] = {run.name: {} for run in runs}
-    for name in NAMES:
-        values = estimates([getattr(run.metrics, name) for run in runs])
-        for run, value in zip(runs, values, strict=True):
-            found[run.name][name] = value
-    return found
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One contender's runs over N scenarios."""
+
+    contender: Contender
+    distance: Array
+    """Distance of the load or object from its reference over time [m], shape (T, N)."""
+    metrics: Any
+    """A dataclass whose fields hold a number, or text, for each scenario, shape (N,)."""
+
+    @property
+    def name(self) -> str:
+        """The contender's name."""
+        return self.contender.name
 
 
-def changes(runs: Sequence["Run"], base: str) -> dict[str, Estimate]:
-    """Relative change of the tracking error against the controller `base`."""
-    reference = next(run for run in runs if run.name == base)
-    return {
-        run.name: relative_change(run.metrics.rmse, reference.metrics.rmse)
-        for run in runs
-        if run is not reference
-    }
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Contenders' runs over the same scenarios, and how to report them."""
+
+    kind: str
+    """"rig" or "hand"."""
+    name: str
+    """Name of the rig or hand."""
+    thing: str
+    """What is to follow its reference: "Load" or "Object"."""
+    units: str
+    """Units of the metrics."""
+    scenarios: Sequence[Any]
+    """The N scenarios."""
+    times: Array
+    """Ends of the control periods [s], shape (T,)."""
+    arrival: float
+    """When the reference reaches its goal [s]."""
+    runs: Sequence[Run]
+    """One for each contender that could run."""
+    absent: Sequence[Contender]
+    """Contenders without the policy that they need."""
+    columns: Sequence[Column]
+    """Columns of the table with an interval."""
+    cells: Mapping[str, Callable[[Any], str | Text]]
+    """More columns: heading, and the cell from a run's metrics."""
+    notes: str
+    """What the table's words mean."""
+    residual: str
+    """Where the policy comes from."""
+    counts: Mapping[str, Callable[[Any], int]] = field(default_factory=dict)
+    """More entries of the summary: name, and the number from a run's metrics."""
+    relative: bool = False
+    """Whether the tracking error of every run is set against that of `BASE`."""
+
+    @property
+    def heading(self) -> str:
+        """Heading of table and figure."""
+        number = len(self.scenarios)
+        if list(self.scenarios) == [type(self.scenarios[0])()]:
+            return f"{self.name}: undisturbed"
+        return f"{self.name}: {number} disturbed scenario{'s' if number > 1 else ''}"
+
+    @cached_property
+    def means(self) -> dict[str, dict[str, Estimate]]:
+        """Mean and interval of every metric that is a number, of every contender by its name."""
+        means: dict[str, dict[str, Estimate]] = {run.name: {} for run in self.runs}
+        for item in fields(self.runs[0].metrics):
+            values = [getattr(run.metrics, item.name) for run in self.runs]
+            if isinstance(values[0], np.ndarray):
+                for run, value in zip(self.runs, estimates(values), strict=True):
+                    means[run.name][item.name] = value
+        return means
+
+    @cached_property
+    def changes(self) -> dict[str, Estimate]:
+        """Relative change of the tracking error against `BASE`, of every other contender."""
+        base = next(run for run in self.runs if run.name == BASE)
+        return {
+            run.name: relative_change(run.metrics.rmse, base.metrics.rmse)
+            for run in self.runs
+            if run is not base
+        }
 
 
-def heading(rig: Rig, scenarios: Sequence[Scenario]) -> str:
-    """Of a table or figure."""
-    if list(scenarios) == [Scenario()]:
-        return f"{rig.name}: undisturbed"
-    plural = "s" if len(scenarios) > 1 else ""
-    return f"{rig.name}: {len(scenarios)} disturbed scenario{plural}"
-
-
-def show(
-    rig: Rig,
-    runs: Sequence["Run"],
-    scenarios: Sequence[Scenario],
-    folder: Path,
-    policy: Policy | None,
-) -> None:
-    """Print the table."""
-    from .compare_cranes import BASE, RESIDUAL
-
-    many = len(scenarios) > 1
-    columns = dict(COLUMNS)
-    if np.isfinite(runs[0].metrics.turn).any():
-        columns |= TURN
-    shown = table(
-        heading(rig, scenarios) + (", mean and 95 % interval" if many else ""),
-        "controller", *(name for name, _, _ in columns.values()), "settled", "ended\nearly",
+def show(comparison: Comparison, folder: Path) -> None:
+    """Print the table, what its words mean, and where the files of `write` are."""
+    many, out = len(comparison.scenarios) > 1, console()
+    columns, cells = comparison.columns, comparison.cells
+    rows = table(
+        comparison.heading + (", mean and 95 % interval" if many else ""),
+        "controller", *(column.heading for column in columns), *cells,
     )  # fmt: skip
-    means, relative = summary(runs), changes(runs, BASE)
-    for run in runs:
-        cells: list[Text | str] = [Text(run.name, style="bold" if run.name == RESIDUAL else "")]
-        for name, (_, factor, digits) in columns.items():
-            value = means[run.name][name]
-            scaled = Estimate(factor * value.mean, factor * value.low, factor * value.high)
-            middle, interval = scaled.format(digits)
-            cells.append(Text(middle))
-            if many:
-                cells[-1] = Text.assemble(middle, "\n", (interval, "dim"))
-        cells += [str(int(run.metrics.settled.sum())), str(int(run.metrics.failed.sum()))]
-        shown.add_row(*cells)
-    out = console()
-    if policy is None:
-        shown.add_row(RESIDUAL, Text("no policy\nshipped", style="dim"))
-    out.print(shown)
-    for name, change in relative.items():
-        if many and name == RESIDUAL:
-            middle, interval = _percent(change)
-            out.print(f"{name}: tracking error {middle} against {BASE} {interval}")
-    notes = [
-        f"Settled: stays within {1e3 * SETTLED:g} mm of the goal; one that does not counts with "
-        "the whole time after arrival.",
-        "After an early end the load counts as resting, and its swing not at all.",
-    ]
-    if many:
-        notes.append(f"Intervals: paired bootstrap, {RESAMPLES} resamples.")
-    out.print(" ".join(notes), style="dim", soft_wrap=True)
+    for run in comparison.runs:
+        style = "bold" if run.contender.emphasis else ""
+        row: list[str | Text] = [Text(run.name, style=style)]
+        for column in columns:
+            value = comparison.means[run.name][column.metric].scaled(column.factor)
+            middle, interval = value.format(column.digits)
+            row.append(Text.assemble(middle, "\n", (interval, "dim")) if many else middle)
+        rows.add_row(*row, *(cell(run.metrics) for cell in cells.values()))
+    for contender in comparison.absent:
+        rows.add_row(contender.name, Text("no policy\nshipped", style="dim"))
+    out.print(rows)
+    for run in comparison.runs:
+        if many and comparison.relative and run.contender.learned:
+            middle, interval = comparison.changes[run.name].scaled(100.0).format(1, sign="+")
+            out.print(f"{run.name}: tracking error {middle} % against {BASE} {interval}")
+    out.print(comparison.notes, style="dim", soft_wrap=True)
     out.print(f"wrote {folder}/scenarios.csv, summary.json, figure.png", soft_wrap=True)
+    out.print(f"residual: {comparison.residual}", style="dim", soft_wrap=True)
 
 
-def _percent(change: Estimate) -> tuple[str, str]:
-    low, high = 100 * change.low, 100 * change.high
-    return f"{100 * change.mean:+.1f} %", f"[{low:+.1f}, {high:+.1f}]"
-
-
-def _finite(value: float) -> float | None:
-    """For CSV and JSON; None where there is no number."""
-    return float(value) if np.isfinite(value) else None
-
-
-def _plain(value: Estimate) -> dict[str, float | None]:
-    """For JSON, which knows no NaN."""
-    return {key: _finite(number) for key, number in asdict(value).items()}
-
-
-def write(folder: Path, rig: Rig, runs: Sequence["Run"], scenarios: Sequence[Scenario]) -> None:
+def write(comparison: Comparison, folder: Path) -> None:
     """Write scenarios.csv, summary.json and figure.png.
 
     Raises
@@ -151,34 +152,56 @@ def write(folder: Path, rig: Rig, runs: Sequence["Run"], scenarios: Sequence[Sce
         A file cannot be written.
     """
     from .. import plots
-    from .compare_cranes import BASE
 
-    settings = [item.name for item in fields(Scenario)]
+    runs, scenarios = comparison.runs, comparison.scenarios
+    settings = [item.name for item in fields(scenarios[0])]
+    metrics = [item.name for item in fields(runs[0].metrics)]
     rows = (
-        (i, *(getattr(scenario, name) for name in settings), run.name,
-         *(_finite(getattr(run.metrics, name)[i]) for name in NAMES))
+        (i, *(_setting(getattr(scenario, name)) for name in settings), run.name,
+         *(_finite(getattr(run.metrics, name)[i]) for name in metrics))
         for run in runs
         for i, scenario in enumerate(scenarios)
     )  # fmt: skip
-    write_csv(folder / "scenarios.csv", ("scenario", *settings, "controller", *NAMES), rows)
-    relative = changes(runs, BASE)
-    facts = {
-        "rig": rig.name,
+    write_csv(folder / "scenarios.csv", ("scenario", *settings, "controller", *metrics), rows)
+    facts: dict[str, Any] = {
+        comparison.kind: comparison.name,
         "scenarios": len(scenarios),
-        "units": "m, rad, s, N, shares of the limits",
+        "units": comparison.units,
         "controllers": {
-            name: {metric: _plain(value) for metric, value in values.items()}
-            for name, values in summary(runs).items()
+            run.name: _plain(comparison.means[run.name])
+            | {name: count(run.metrics) for name, count in comparison.counts.items()}
+            for run in runs
         },
-        f"change of rmse against {BASE}": {k: _plain(v) for k, v in relative.items()},
     }
+    if comparison.relative:
+        facts[f"change of rmse against {BASE}"] = _plain(comparison.changes)
     write_text(folder / "summary.json", json.dumps(facts, indent=2) + "\n")
-    record = runs[0].record
     plots.comparison(
-        heading(rig, scenarios).replace("_", " "),
+        comparison.heading.replace("_", " "),
         [run.name for run in runs],
-        record.times,
-        float(np.min(record.arrival)),
-        [run.record.distance for run in runs],
+        comparison.times,
+        comparison.arrival,
+        [run.distance for run in runs],
         folder / "figure.png",
+        what=comparison.thing,
     )
+
+
+def _setting(value: Any) -> Any:
+    """A number of a scenario for CSV, or several in one cell."""
+    return " ".join(map(repr, value)) if isinstance(value, tuple) else value
+
+
+def _finite(value: Any) -> Any:
+    """A metric for CSV and JSON, which know no NaN; None where there is no number."""
+    if isinstance(value, str):
+        return value
+    return float(value) if np.isfinite(value) else None
+
+
+def _plain(values: Mapping[str, Estimate]) -> dict[str, Any]:
+    """Estimates for JSON."""
+    return {
+        name: {key: _finite(number) for key, number in asdict(value).items()}
+        for name, value in values.items()
+    }

@@ -15,7 +15,8 @@ from stable_baselines3.common.logger import KVWriter, Logger
 from ... import feedforward
 from ...models import Move, Rig
 from .. import options
-from ..compare.compare_cranes import Runner, environment, scenarios_for, with_residual
+from ..compare.compare_cranes import Runner, environment, scenarios_for
+from ..compare.contenders import with_residual
 from ..policy import Card, Policy
 from ..tables import append_csv
 from . import checkpoint

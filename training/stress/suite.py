@@ -23,8 +23,8 @@ from rich.table import Table
 from rich.text import Text
 
 from ...models.errors import OptionError, did_you_mean
+from ...models.files import make_folder
 from .. import options
-from ..compare.report import make_folder
 from ..console import console, warning
 from ..jobs import Jobs, Processes, Result
 from ..tables import table, write_csv

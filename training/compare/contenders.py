@@ -1,0 +1,92 @@
+"""The controllers that `flatrig compare` sets side by side, each registered once.
+
+    @contender("FF + PD + friction")
+    def with_friction(env):
+        return FrictionCompensation(Feedforward(PD(env)))
+
+A contender wraps a vector environment; its rows in the table, the CSV and the figure follow.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from ...envs import PD, Feedforward, PoseFeedback, Residual
+
+EVALUATION_SEED = 2016_2001
+"""Seed of the scenarios on which contenders are compared; training never uses it."""
+BASE = "FF + PD"
+"""The contender that others are measured against."""
+
+Plant = Literal["crane", "hand"]
+Wrap = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A controller in the comparison."""
+
+    name: str
+    """Name of its row."""
+    wrap: Wrap
+    """Function of the environment, and of the policy's `fraction` if learned, that wraps it."""
+    plants: tuple[Plant, ...] = ("crane", "hand")
+    """What it can drive."""
+    sensors: str = "encoders"
+    """Sensors that the environment must have; a policy's own if learned."""
+    learned: bool = False
+    """Whether it needs a trained policy; without one its row says so."""
+    emphasis: bool = False
+    """Whether its row stands out."""
+
+
+CONTENDERS: dict[str, Contender] = {}
+"""Every contender by its name, in the order of the rows."""
+
+
+def contender(name: str, **facts: Any) -> Callable[[Wrap], Wrap]:
+    """Register the function that wraps an environment; see `Contender` for the keywords."""
+
+    def register(wrap: Wrap) -> Wrap:
+        CONTENDERS[name] = Contender(name, wrap, **facts)
+        return wrap
+
+    return register
+
+
+def contenders_for(plant: Plant) -> list[Contender]:
+    """The contenders that can drive a crane or a hand."""
+    return [entry for entry in CONTENDERS.values() if plant in entry.plants]
+
+
+@contender("PD, set point")
+def set_point(env: Any) -> Any:
+    """PD towards the goal from the start."""
+    return PD(env, track="set point")
+
+
+@contender("PD, moving")
+def moving(env: Any) -> Any:
+    """PD towards the moving reference."""
+    return PD(env, track="moving")
+
+
+contender("feedforward")(Feedforward)
+
+
+@contender(BASE)
+def with_feedback(env: Any) -> Any:
+    """The exact inputs, and PD towards the moving reference."""
+    return Feedforward(PD(env))
+
+
+@contender("FF + PD + pose", plants=("hand",), sensors="full", emphasis=True)
+def with_pose(env: Any) -> Any:
+    """The same, and feedback of the object's pose."""
+    return PoseFeedback(with_feedback(env))
+
+
+@contender("FF + PD + residual", learned=True, emphasis=True)
+def with_residual(env: Any, fraction: float) -> Any:
+    """The same, and an action that is a fraction of the limits."""
+    return Residual(with_feedback(env), fraction=fraction)
