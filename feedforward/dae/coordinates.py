@@ -40,6 +40,11 @@ class Place(NamedTuple):
     bend: Array | None
     """Second derivatives d2 phi, shape (n, k, k); None if they vanish."""
 
+    def second(self, rate: Array, acceleration: Array) -> Array:
+        """Accelerations q'' (n,) at rates x' and accelerations x'', each (k,)."""
+        second = self.slope @ acceleration
+        return second if self.bend is None else second + self.bend @ rate @ rate
+
 
 @dataclass(frozen=True, eq=False)
 class Coordinates:
@@ -133,12 +138,12 @@ class Coordinates:
 
     @cached_property
     def _matrices(self) -> Array:
-        """Of the eliminated constraints."""
+        """Matrices S of the eliminated constraints."""
         return self.equations.constraints[list(self.eliminated)]
 
     @cached_property
     def _plain(self) -> tuple[list[int], list[int]]:
-        """Which polynomial coordinates are coordinates themselves, and which."""
+        """Indices in q and in x of the polynomial coordinates that are coordinates themselves."""
         shared = [name for name in self.names if name in self.equations.names]
         return [self.equations.names.index(n) for n in shared], [
             self.names.index(n) for n in shared
@@ -151,11 +156,11 @@ class Coordinates:
 
     def _platforms(self, x: Array) -> list[tuple[list[int], list[int], Array]]:
         """For each platform its directors, the columns of its angles, and these."""
-        found = []
+        platforms = []
         for orientation in self.equations.orientations:
             columns = [self.names.index(name) for name in orientation.angles]
-            found.append((list(orientation.directors), columns, x[columns]))
-        return found
+            platforms.append((list(orientation.directors), columns, x[columns]))
+        return platforms
 
 
 def _apply(matrix: Array, tensor: Array) -> Array:

@@ -1,11 +1,13 @@
 """Steps through the inverse dynamics of a rig: constant steps, or steps as long as they may be."""
 
 import math
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...models.errors import OptionError, did_you_mean
 from ...models.rig.rig import Rig
+from ...models.types import Array
 from ..checks import as_number
 from ..exact.refusal import accept_columns, off_rails, reversal
 from ..paths.reference import Reference
@@ -18,9 +20,9 @@ from .schemes import scheme as scheme_of
 from .start import at_rest
 
 MOST_STEPS = 1_000_000
-"""Of one integration."""
+"""Most steps of one integration."""
 FARTHEST = 1e4
-"""Coordinates may grow to this multiple of their size at the start."""
+"""Largest coordinate, over 1 + their size at the start; an unstable scheme's grow beyond it."""
 CHUNK = 512
 """Constant steps whose prescribed values are computed together."""
 SAFETY, SHRINK, GROW = 0.85, 0.2, 3.0
@@ -47,13 +49,13 @@ def integrate(
     reference
         Path of its outputs, from rest.
     step
-        [s]; with a tolerance the first one.
+        Length of the steps [s]; with a tolerance of the first one.
     formulation
         One of `FORMULATIONS`.
     scheme
         One of `SCHEMES`.
     tolerance
-        Of the error of the coordinates in one step, over 1 + their size [m, rad];
+        Largest error of the coordinates in one step, over 1 + their size [m, rad];
         steps are then as long as it allows.  For schemes with an error estimate.
 
     Returns
@@ -78,26 +80,26 @@ def integrate(
     _check(rig, reference, step, tolerance, method)
     start = at_rest(equations, reference)
     rest = State(start, np.zeros_like(start), np.zeros_like(start))
-    newton = Newton()
+    stepper = _Stepper(equations, method, reference, rest)
     if tolerance is None:
-        times, states, failure = _constant(equations, method, reference, newton, rest, step)
+        times, states, failure = stepper.constant(step)
     else:
-        times, states, failure = _controlled(
-            equations, method, reference, newton, rest, (step, tolerance)
-        )
+        times, states, failure = stepper.controlled(step, tolerance)
     impossible = _impossible(equations, states)
     if impossible is not None:
         first, reason = impossible
         failure = Failure(times[first - 1], times[first] - times[first - 1], reason)
         times, states = times[:first], states[:first]
-    newton.counters.steps = len(states) - 1
+    counters = stepper.newton.counters
+    counters.steps = len(states) - 1
     motion = motion_of(equations, np.array(times), states, reference)
-    return Integration(motion, formulation, scheme, newton.counters, failure)
+    return Integration(motion, formulation, scheme, counters, failure)
 
 
 def _check(
     rig: Rig, reference: Reference, step: float, tolerance: float | None, method: Scheme
 ) -> None:
+    """Refuse what `integrate` refuses of its options."""
     accept_columns(rig, reference)
     least = reference.duration / MOST_STEPS
     if not least <= as_number(step) < math.inf:
@@ -107,93 +109,102 @@ def _check(
     if not 0.0 < as_number(tolerance) < 1.0:
         raise OptionError(f"tolerance is {tolerance!r}, it must be a number between 0 and 1")
     if not method.estimates:
-        able = [name for name, one in SCHEMES.items() if one.estimates]
+        able = [scheme.name for scheme in SCHEMES.values() if scheme.estimates]
         raise OptionError(
             f"scheme {method.name!r} has no error estimate for a tolerance{did_you_mean('', able)}"
         )
 
 
 Run = tuple[list[float], list[State], Failure | None]
+"""Times, the states there, and why the run ended early."""
 
 
-def _constant(
-    equations: Formulation,
-    method: Scheme,
-    reference: Reference,
-    newton: Newton,
-    rest: State,
-    h: float,
-) -> Run:
-    """Steps of the same length."""
-    count = math.ceil(reference.duration / h - 1e-9)
-    times, states = [0.0], [rest]
-    past = [rest] * method.memory
-    nodes = np.array(method.nodes)
-    for first in range(0, count, CHUNK):
-        steps = np.arange(first, min(first + CHUNK, count))
-        instants = h * (steps[:, None] + nodes)
-        given = prescribed(
-            equations.mechanics.coordinates, reference, instants.ravel(), equations.derivatives
-        )
-        given = given.reshape(len(given), *instants.shape, -1)
-        for i, number in enumerate(steps):
-            stepped = method.step(equations, newton, past, given[:, i], h)
-            if stepped is None or _lost(equations, rest, stepped):
-                reason = newton.reason if stepped is None else NO_NUMBER
-                return times, states, Failure(times[-1], h, reason)
-            past = [*past[1:], stepped.state]
-            states.append(stepped.state)
-            times.append(h * (int(number) + 1))
-    return times, states, None
+@dataclass(frozen=True, eq=False)
+class _Stepper:
+    """A scheme that steps through a formulation along a reference, from rest."""
 
+    equations: Formulation
+    method: Scheme
+    reference: Reference
+    rest: State
+    newton: Newton = field(default_factory=Newton)
 
-def _controlled(
-    equations: Formulation,
-    method: Scheme,
-    reference: Reference,
-    newton: Newton,
-    rest: State,
-    options: tuple[float, float],
-) -> Run:
-    """Steps as long as the tolerance allows."""
-    h, tolerance = options
-    times, states = [0.0], [rest]
-    nodes, end, grow = np.array(method.nodes), reference.duration, GROW
-    while times[-1] < end * (1.0 - 1e-12):
-        now = times[-1]
-        left = end - now
-        taken = left / math.ceil(left / h - 1e-9) if left < 2.0 * h else h
-        given = prescribed(
-            equations.mechanics.coordinates, reference, now + taken * nodes, equations.derivatives
-        )
-        newton.forget()
-        stepped = method.step(equations, newton, states[-1:], given, taken)
-        if stepped is not None and _lost(equations, rest, stepped):
-            stepped, newton.reason = None, NO_NUMBER
-        error = math.inf if stepped is None else _error(equations, stepped, taken) / tolerance
-        if stepped is not None and error <= 1.0:
-            states.append(stepped.state)
-            times.append(end if taken == left else now + taken)
-        else:
-            newton.counters.rejected += 1
-            if taken < SHORTEST * end:
-                reason = newton.reason if stepped is None else "the step becomes too short"
-                return times, states, Failure(now, taken, reason)
-        if len(states) > MOST_STEPS:
-            return times, states, Failure(now, taken, f"it would be the {MOST_STEPS + 1}st")
-        best = SAFETY * error ** (-1.0 / (method.after(1) + 1)) if error > 0.0 else GROW
-        h = taken * min(grow, max(SHRINK, best))
-        # The step after a rejected one is not longer: the estimate remembers the step before.
-        grow = GROW if error <= 1.0 else 1.0
-    return times, states, None
+    def constant(self, h: float) -> Run:
+        """Steps of the same length h [s]."""
+        # A step that ends within rounding of the end of the path is the last one.
+        count = math.ceil(self.reference.duration / h - 1e-9)
+        times, states = [0.0], [self.rest]
+        past = [self.rest] * self.method.memory
+        for first in range(0, count, CHUNK):
+            steps = np.arange(first, min(first + CHUNK, count))
+            instants = h * (steps[:, None] + np.array(self.method.nodes))
+            given = self._prescribed(instants.ravel())
+            given = given.reshape(len(given), *instants.shape, -1)
+            for i, number in enumerate(steps):
+                stepped = self._step(past, given[:, i], h)
+                if stepped is None:
+                    return times, states, Failure(times[-1], h, self.newton.reason)
+                past = [*past[1:], stepped.state]
+                states.append(stepped.state)
+                times.append(h * (int(number) + 1))
+        return times, states, None
 
+    def controlled(self, h: float, tolerance: float) -> Run:
+        """Steps as long as the tolerance allows, the first one h [s]."""
+        times, states = [0.0], [self.rest]
+        nodes, end, grow = np.array(self.method.nodes), self.reference.duration, GROW
+        while times[-1] < end * (1.0 - 1e-12):
+            now = times[-1]
+            rest = end - now
+            # The last two steps are equal, so that none is left that is only a sliver.
+            taken = rest / math.ceil(rest / h - 1e-9) if rest < 2.0 * h else h
+            self.newton.forget()
+            stepped = self._step(states[-1:], self._prescribed(now + taken * nodes), taken)
+            error = math.inf if stepped is None else self._error(stepped, taken) / tolerance
+            if stepped is not None and error <= 1.0:
+                states.append(stepped.state)
+                times.append(end if taken == rest else now + taken)
+            else:
+                self.newton.counters.rejected += 1
+                if taken < SHORTEST * end:
+                    short = "the step becomes too short"
+                    reason = self.newton.reason if stepped is None else short
+                    return times, states, Failure(now, taken, reason)
+            if len(states) > MOST_STEPS:
+                return times, states, Failure(now, taken, f"it would be the {MOST_STEPS + 1}st")
+            best = SAFETY * error ** (-1.0 / (self.method.after(1) + 1)) if error > 0.0 else GROW
+            h = taken * min(grow, max(SHRINK, best))
+            # The step after a rejected one is not longer: the estimate remembers the step before.
+            grow = GROW if error <= 1.0 else 1.0
+        return times, states, None
 
-def _lost(equations: Formulation, rest: State, stepped: Stepped) -> bool:
-    """Whether a coordinate is not a number or out of all proportion."""
-    count = len(equations.mechanics.coordinates.names)
-    bound = FARTHEST * (1.0 + float(np.abs(rest.z[:count]).max()))
-    state = stepped.state
-    return not (np.abs(state.z[:count]).max() < bound and np.isfinite(np.array(state)).all())
+    def _prescribed(self, instants: Array) -> Array:
+        """Prescribed values at instants (N,) with their derivatives, (derivatives + 1, N, a)."""
+        coordinates = self.equations.mechanics.coordinates
+        return prescribed(coordinates, self.reference, instants, self.equations.derivatives)
+
+    def _step(self, past: list[State], given: Array, h: float) -> Stepped | None:
+        """The next step, or None and the reason in `newton`."""
+        stepped = self.method.step(self.equations, self.newton, past, given, h)
+        if stepped is None:
+            return None
+        bound = FARTHEST * (1.0 + float(np.abs(self._places(self.rest)).max()))
+        state = stepped.state
+        if np.abs(self._places(state)).max() < bound and np.isfinite(np.array(state)).all():
+            return stepped
+        self.newton.reason = NO_NUMBER
+        return None
+
+    def _error(self, stepped: Stepped, h: float) -> float:
+        """Estimated error of the coordinates in one step, over 1 + their size."""
+        assert stepped.jump is not None
+        places = self._places(stepped.state)
+        jump = stepped.jump[: len(places)]
+        return float((h * np.abs(jump) / (1.0 + np.abs(places))).max())
+
+    def _places(self, state: State) -> Array:
+        """Coordinates among the unknowns, shape (k,)."""
+        return state.z[: self.equations.mechanics.sizes[0]]
 
 
 def _impossible(equations: Formulation, states: list[State]) -> tuple[int, str] | None:
@@ -201,16 +212,8 @@ def _impossible(equations: Formulation, states: list[State]) -> tuple[int, str] 
     coordinates = equations.mechanics.coordinates
     e, count = coordinates.equations, len(coordinates.names)
     places = np.array([coordinates.place(state.z[:count]).q for state in states]).T
-    found = [off_rails(e.rig, e.names, places)]
+    faults = [off_rails(e.rig, e.names, places)]
     passed = reversal(e, places)
     if passed is not None:
-        found.append((passed[0] + 1, passed[1]))
-    return min((one for one in found if one is not None), default=None)
-
-
-def _error(equations: Formulation, stepped: Stepped, h: float) -> float:
-    """Estimated error of the coordinates in one step, over 1 + their size."""
-    assert stepped.jump is not None
-    count = len(equations.mechanics.coordinates.names)
-    size = 1.0 + np.abs(stepped.state.z[:count])
-    return float((h * np.abs(stepped.jump[:count]) / size).max())
+        faults.append((passed[0] + 1, passed[1]))
+    return min((fault for fault in faults if fault is not None), default=None)

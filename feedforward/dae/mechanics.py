@@ -22,28 +22,34 @@ class Forces(NamedTuple):
     """What stands in the equations of motion at one instant."""
 
     place: Place
+    """Configuration and coordinate map."""
     unbalanced: Array
-    """M q'' - f + G^T multipliers - (B + B'q) u, shape (n,)."""
+    """Sum M q'' - f + G^T multipliers - (B + B'q) u, shape (n,)."""
     gradient: Array
-    """G of all constraints, shape (m, n)."""
+    """Gradients G of all constraints, shape (m, n)."""
 
 
 class Slopes(NamedTuple):
-    """Derivatives of the reduced equations of motion, each (k, ...)."""
+    """Derivatives of the reduced equations of motion."""
 
     position: Array
+    """Derivative by the coordinates, shape (k, k)."""
     rate: Array
+    """Derivative by their rates, shape (k, k)."""
     acceleration: Array
-    """The mass matrix."""
+    """Derivative by their accelerations, the mass matrix, shape (k, k)."""
     multipliers: Array
+    """Derivative by the multipliers, shape (k, multipliers)."""
     inputs: Array
+    """Derivative by the inputs, shape (k, inputs)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Mechanics:
-    """The equations of motion in given coordinates."""
+    """The equations of motion in one set of coordinates."""
 
     coordinates: Coordinates
+    """The coordinates x, k of them."""
 
     @property
     def sizes(self) -> tuple[int, int, int]:
@@ -62,10 +68,9 @@ class Mechanics:
         x, multipliers, inputs = self.split(z)
         place = self.coordinates.place(x)
         gradient = e.constraints[:, :-1, :-1] @ place.q + e.constraints[:, :-1, -1]
-        second = place.slope @ acceleration
-        if place.bend is not None:
-            second = second + place.bend @ rate @ rate
-        unbalanced = e.mass @ second - e.force - self._input(place.q) @ inputs
+        unbalanced = (
+            e.mass @ place.second(rate, acceleration) - e.force - self._input(place.q) @ inputs
+        )
         unbalanced += multipliers @ gradient[list(self.coordinates.multipliers)]
         return Forces(place, unbalanced, gradient)
 
@@ -79,7 +84,7 @@ class Mechanics:
         return values[list(self.coordinates.constraints)]
 
     def constraint_slope(self, forces: Forces) -> Array:
-        """Its derivative by the coordinates, (constraints, k)."""
+        """Derivative of `constraints` by the coordinates, shape (constraints, k)."""
         return forces.gradient[list(self.coordinates.constraints)] @ forces.place.slope
 
     def slopes(self, forces: Forces, z: Array, rate: Array, acceleration: Array) -> Slopes:

@@ -130,10 +130,8 @@ class DependentProjection(Projection):
         """Second derivative of the constraints."""
         c, place = self.mechanics.coordinates, caused.forces.place
         kept = list(c.constraints)
-        second, speed = place.slope @ caused.acceleration, place.slope @ rate
-        if place.bend is not None:
-            second = second + place.bend @ rate @ rate
-        curvature = c.equations.constraint_curvature(speed)[kept]
+        second = place.second(rate, caused.acceleration)
+        curvature = c.equations.constraint_curvature(place.slope @ rate)[kept]
         return np.asarray(caused.forces.gradient[kept] @ second + curvature)
 
     def _second_slopes(self, caused: Free, z: Array, rate: Array) -> Array:
@@ -143,10 +141,9 @@ class DependentProjection(Projection):
         gradient, hessian = caused.forces.gradient[kept], c.equations.constraints[kept, :-1, :-1]
         assert caused.jacobian is not None
         jacobian = gradient @ place.slope @ caused.jacobian
-        second, speed = place.slope @ caused.acceleration, place.slope @ rate
+        second, speed = place.second(rate, caused.acceleration), place.slope @ rate
         turned = np.zeros_like(place.slope)
         if place.bend is not None:
-            second = second + place.bend @ rate @ rate
             turned = place.bend @ rate
             moved = place.bend @ caused.acceleration + c.third(place, z[:k], rate)
             jacobian[0, :, :k] += gradient @ moved

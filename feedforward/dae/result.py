@@ -25,6 +25,7 @@ class Failure:
     step: float
     """Step that failed from there [s]."""
     reason: str
+    """Why it failed, in words."""
 
     def __str__(self) -> str:
         return f"no step of {self.step:.3g} s from {self.time:.6g} s: {self.reason}"
@@ -35,12 +36,15 @@ class Integration:
     """A motion found by stepping through time."""
 
     motion: Motion
-    """At the steps, up to the last one that succeeded."""
+    """Motion at the steps, up to the last one that succeeded."""
     formulation: str
+    """Name of the formulation."""
     scheme: str
+    """Name of the scheme."""
     counters: Counters
+    """What the integration cost."""
     failure: Failure | None
-    """None if the end of the path was reached."""
+    """Where and why it ended early; None if the end of the path was reached."""
 
 
 def motion_of(
@@ -87,8 +91,9 @@ class _Polynomial(NamedTuple):
     series: Array
     """Coordinates and their two derivatives, shape (3, n)."""
     multipliers: Array
-    """Of all constraints, shape (m,)."""
+    """Multipliers of all constraints, shape (m,)."""
     inputs: Array
+    """Inputs, shape (b,)."""
 
 
 def _polynomial(equations: Formulation, state: State) -> _Polynomial:
@@ -99,17 +104,15 @@ def _polynomial(equations: Formulation, state: State) -> _Polynomial:
     kept = list(mechanics.coordinates.multipliers)
     rate, acceleration = equations.rates(*state)
     forces = mechanics.forces(state.z, rate, acceleration)
-    slope, bend = forces.place.slope, forces.place.bend
-    second = slope @ acceleration
-    if bend is not None:
-        second = second + bend @ rate @ rate
+    place = forces.place
     multipliers = np.zeros(len(forces.gradient))
     _, multipliers[kept], inputs = mechanics.split(state.z)
     lost = [k for k in range(len(multipliers)) if k not in kept]
     if lost:
         pulls = forces.gradient[lost].T
         multipliers[lost] = np.linalg.lstsq(pulls, -forces.unbalanced, rcond=None)[0]
-    return _Polynomial(np.array([forces.place.q, slope @ rate, second]), multipliers, inputs)
+    series = np.array([place.q, place.slope @ rate, place.second(rate, acceleration)])
+    return _Polynomial(series, multipliers, inputs)
 
 
 def _bryant(directors: Array, names: tuple[str, str, str]) -> dict[str, Array]:
