@@ -202,18 +202,18 @@ def coordinates_of(problem: Problem, kind: Kind) -> Coordinates:
         The rig has no such coordinates, and why.
     """
     e, rig = problem.equations, problem.rig
-    every = tuple(range(len(e.constraint_names)))
+    constraints = tuple(range(len(e.constraint_names)))
     if kind == "redundant":
         servo = problem.servo
-        kept = tuple(k for k in every if k not in servo.implied)
+        equations = tuple(k for k in constraints if k not in servo.implied)
         matrix = np.zeros((len(servo.rows), len(e.names)))
         for i, terms in enumerate(servo.rows):
             for factor, j in terms:
                 matrix[i, j] = factor
-        return Coordinates(problem, kind, e.names, (), (), every, kept, matrix)
+        return Coordinates(problem, kind, e.names, (), (), constraints, equations, matrix)
     by_angles = set(e.with_role("unit", "director"))
-    kept = () if kind == "minimal" else _with_outputs(problem, by_angles)
-    eliminated = tuple(k for k in every if k not in by_angles and k not in kept)
+    remaining = () if kind == "minimal" else _with_outputs(problem, by_angles)
+    eliminated = tuple(k for k in constraints if k not in by_angles and k not in remaining)
     follows = {k: c.coordinate for k, c in enumerate(e.roles) if c.coordinate is not None}
     implicit = tuple(follows[k] for k in eliminated)
     hidden = {e.names[i] for i in implicit}
@@ -221,12 +221,12 @@ def coordinates_of(problem: Problem, kind: Kind) -> Coordinates:
     candidates = dict.fromkeys((*rig.coordinate_names, *spans))
     names = tuple(name for name in candidates if name not in hidden)
     matrix = _outputs(rig, names, kind)
-    if len(kept) > len(matrix):
+    if len(remaining) > len(matrix):
         raise RigError(
-            f"rig {rig.name} has no dependent coordinates: {len(kept)} constraints contain its "
-            f"{len(matrix)} outputs, there may be no more than outputs (Y assumption 1)"
+            f"rig {rig.name} has no dependent coordinates: {len(remaining)} constraints contain "
+            f"its {len(matrix)} outputs, there may be no more than outputs (Y assumption 1)"
         )
-    return Coordinates(problem, kind, names, eliminated, implicit, kept, kept, matrix)
+    return Coordinates(problem, kind, names, eliminated, implicit, remaining, remaining, matrix)
 
 
 def _with_outputs(problem: Problem, implied: set[int]) -> tuple[int, ...]:

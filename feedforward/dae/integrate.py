@@ -157,23 +157,23 @@ class _Stepper:
             now = times[-1]
             rest = end - now
             # The last two steps are equal, so that none is left that is only a sliver.
-            taken = rest / math.ceil(rest / h - 1e-9) if rest < 2.0 * h else h
+            step = rest / math.ceil(rest / h - 1e-9) if rest < 2.0 * h else h
             self.newton.forget()
-            stepped = self._step(states[-1:], self._prescribed(now + taken * nodes), taken)
-            error = math.inf if stepped is None else self._error(stepped, taken) / tolerance
+            stepped = self._step(states[-1:], self._prescribed(now + step * nodes), step)
+            error = math.inf if stepped is None else self._error(stepped, step) / tolerance
             if stepped is not None and error <= 1.0:
                 states.append(stepped.state)
-                times.append(end if taken == rest else now + taken)
+                times.append(end if step == rest else now + step)
             else:
                 self.newton.counters.rejected += 1
-                if taken < SHORTEST * end:
+                if step < SHORTEST * end:
                     short = "the step becomes too short"
                     reason = self.newton.reason if stepped is None else short
-                    return times, states, Failure(now, taken, reason)
+                    return times, states, Failure(now, step, reason)
             if len(states) > MOST_STEPS:
-                return times, states, Failure(now, taken, f"it would be the {MOST_STEPS + 1}st")
+                return times, states, Failure(now, step, f"it would be the {MOST_STEPS + 1}st")
             best = SAFETY * error ** (-1.0 / (self.method.after(1) + 1)) if error > 0.0 else GROW
-            h = taken * min(grow, max(SHRINK, best))
+            h = step * min(grow, max(SHRINK, best))
             # The step after a rejected one is not longer: the estimate remembers the step before.
             grow = GROW if error <= 1.0 else 1.0
         return times, states, None

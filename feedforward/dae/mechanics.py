@@ -91,9 +91,9 @@ class Mechanics:
         """Derivatives of `motion`."""
         e = self.coordinates.equations
         x, multipliers, inputs = self.split(z)
-        kept = list(self.coordinates.multipliers)
+        rows = list(self.coordinates.multipliers)
         place = forces.place
-        stiffness = np.tensordot(multipliers, e.constraints[kept, :-1, :-1], 1)
+        stiffness = np.tensordot(multipliers, e.constraints[rows, :-1, :-1], 1)
         stiffness -= np.einsum("iaj,a->ij", e.input_linear, inputs)
         across = place.slope.T
         position = across @ stiffness @ place.slope
@@ -109,7 +109,7 @@ class Mechanics:
             position=position,
             rate=turning,
             acceleration=across @ e.mass @ place.slope,
-            multipliers=across @ forces.gradient[kept].T,
+            multipliers=across @ forces.gradient[rows].T,
             inputs=-across @ self._input(place.q),
         )
 

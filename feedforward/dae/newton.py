@@ -20,19 +20,20 @@ from scipy.linalg.lapack import dgetrf, dgetrs
 from ...models.types import Array
 
 ITERATIONS = 25
-"""Of one attempt, at most."""
+"""Most iterations of one attempt."""
 TOLERANCE = 1e-14
-"""Of the corrections, over the size of the unknowns that stand under derivatives."""
+"""Largest last correction, over 1 + the size of the unknowns that stand under derivatives."""
 FLOOR = 1e-8
-"""Below which corrections that no longer shrink count as rounding."""
+"""Corrections below this, in the same measure, that no longer shrink count as rounding."""
 NOISE = 1e-11
-"""Up to which rounding is expected to come again at the next step."""
+"""Largest rounding that is expected again at the next step, so that it is not iterated upon."""
 SLOW = 0.03
-"""A convergence rate above which a Jacobian that was kept is replaced."""
+"""Convergence rate above which the Jacobian of an earlier step is replaced: another factorisation
+then costs less than the iterations that it saves."""
 LEAST_RATE = 1e-3
-"""Corrections are not taken to shrink faster."""
+"""Least convergence rate that is believed: two lucky corrections do not end an iteration early."""
 SINGULAR = 1e-13
-"""A pivot below this, in the scaled measure, counts as zero."""
+"""A pivot below this, in the scaled measure, counts as zero: rounding leaves as much of a zero."""
 CAUTIOUS, RANK = 0.1, 1e-9
 """Longest correction near a singular place, and the share of the largest singular value below
 which a direction is left alone there."""
@@ -47,16 +48,17 @@ class Counters:
     """What an integration cost."""
 
     steps: int = 0
-    """That were accepted."""
+    """Steps that were accepted."""
     rejected: int = 0
     """Steps that were too inaccurate or did not converge and were tried again, shorter."""
     iterations: int = 0
-    """Of Newton's method."""
+    """Iterations of Newton's method."""
     evaluations: int = 0
-    """Of the equations at one instant."""
+    """Evaluations of the equations at one instant."""
     jacobians: int = 0
-    """Of the equations at one instant."""
+    """Jacobians of the equations at one instant."""
     factorisations: int = 0
+    """Factorisations of an iteration matrix."""
 
 
 Function = Callable[[Array, bool], tuple[Array, Array | None]]
@@ -68,9 +70,13 @@ class Factors:
     """A Jacobian, scaled and factorised."""
 
     matrix: Array
+    """Triangular factors of the scaled Jacobian, shape (N, N)."""
     pivots: NDArray[np.int32]
+    """Row interchanges, shape (N,)."""
     rows: Array
+    """Divisors of the rows, shape (N,)."""
     columns: Array
+    """Divisors of the columns, shape (N,)."""
 
     def correction(self, residual: Array) -> tuple[Array, float]:
         """What to subtract, and its largest entry in the scaled measure."""
@@ -79,7 +85,7 @@ class Factors:
 
 
 def scaled(jacobian: Array) -> tuple[Array, Array, Array]:
-    """A Jacobian with rows and columns divided by their largest entries, and these."""
+    """A Jacobian with rows, then columns divided by their largest entries, and these divisors."""
     rows = np.abs(jacobian).max(axis=1)
     matrix = jacobian / rows[:, None]
     columns = np.abs(matrix).max(axis=0)
@@ -91,13 +97,15 @@ class Newton:
     """Newton's method that keeps its factorised Jacobian from step to step."""
 
     counters: Counters = field(default_factory=Counters)
+    """Work of all calls."""
     reason: str = ""
     """Why the last call failed."""
     factors: Factors | None = None
+    """Factorised Jacobian from which the next call starts."""
     rate: float = 1.0
-    """By which corrections shrank last, as long as the Jacobian is kept."""
+    """Factor by which the corrections shrank last, as long as the Jacobian is the same."""
     noise: float = 0.0
-    """Corrections so small were rounding at an earlier step."""
+    """Size of corrections that were rounding at an earlier step."""
 
     def forget(self) -> None:
         """Drop the Jacobian, when the step changes."""
@@ -117,14 +125,14 @@ class Newton:
         size
             Magnitude of the unknowns that stand under derivatives.
         """
-        with np.errstate(all="ignore"):  # what fails is found by its value
+        with np.errstate(all="ignore"):  # a failure shows in the values
             for way in (self._iterate, self._iterate, self._creep):
                 try:
-                    found = way(function, guess, 1.0 + size)
+                    zero = way(function, guess, 1.0 + size)
                 except np.linalg.LinAlgError:
-                    found, self.reason = None, NO_INVERSE
-                if found is not None:
-                    return found
+                    zero, self.reason = None, NO_INVERSE
+                if zero is not None:
+                    return zero
                 self.forget()
         return None
 

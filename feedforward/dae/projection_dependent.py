@@ -66,7 +66,7 @@ class DependentProjection(Projection):
         forces = mechanics.forces(z, rate, acceleration)
         inner = self.assemble(forces, given, z, rate, acceleration, slopes)
         caused = free(mechanics, forces, z, rate, acceleration, slopes)
-        tangent, left = self._tangent(mechanics.constraint_slope(caused.forces))
+        tangent, lever = self._tangent(mechanics.constraint_slope(caused.forces))
         motion = inner.residual[:k]
         residual = np.concatenate(
             (
@@ -81,7 +81,7 @@ class DependentProjection(Projection):
         jacobian = np.zeros((3, len(z), len(z)))
         rows = tangent.shape[1]
         jacobian[:, :rows] = tangent.T @ inner.jacobian[:, :k]
-        jacobian[0, :rows, :k] -= tangent.T @ self._bent(caused.forces, left @ motion)
+        jacobian[0, :rows, :k] -= tangent.T @ self._bent(caused.forces, lever @ motion)
         jacobian[:2, rows : rows + len(servo)] = servo @ caused.jacobian
         end = rows + len(servo) + len(mechanics.coordinates.constraints)
         jacobian[:2, rows + len(servo) : end] = self._second_slopes(caused, z, rate)
@@ -102,8 +102,9 @@ class DependentProjection(Projection):
         )
 
     def _tangent(self, gradient: Array) -> tuple[Array, Array]:
-        """D, and the matrix that gives the multipliers in D's derivative: d D^T r = -D^T dG^T
-        (left r).
+        """D, and the matrix L that gives the multipliers in D's derivative.
+
+        For any r, d D^T r = -D^T dG^T (L r).
         """
         across = self.tangent
         inside = gradient @ across
@@ -113,32 +114,32 @@ class DependentProjection(Projection):
         kernel = np.zeros((across.shape[1], len(chosen)))
         kernel[chosen, np.arange(len(chosen))] = 1.0
         kernel[solved] = -np.linalg.solve(inside[:, solved], inside[:, chosen])
-        left = np.linalg.solve(inside[:, solved].T, across[:, solved].T)
-        return across @ kernel, np.asarray(left, dtype=float)
+        lever = np.linalg.solve(inside[:, solved].T, across[:, solved].T)
+        return across @ kernel, np.asarray(lever, dtype=float)
 
     def _bent(self, forces: Forces, weights: Array) -> Array:
         """Derivative of (G P)^T weights by the coordinates, shape (k, k)."""
         c = self.mechanics.coordinates
-        place, kept = forces.place, list(c.constraints)
-        hessian = np.tensordot(weights, c.equations.constraints[kept, :-1, :-1], 1)
+        place, rows = forces.place, list(c.constraints)
+        hessian = np.tensordot(weights, c.equations.constraints[rows, :-1, :-1], 1)
         bent = place.slope.T @ hessian @ place.slope
         if place.bend is not None:
-            bent += np.tensordot(weights @ forces.gradient[kept], place.bend, 1)
+            bent += np.tensordot(weights @ forces.gradient[rows], place.bend, 1)
         return np.asarray(bent)
 
     def _second(self, caused: Free, rate: Array) -> Array:
-        """Second derivative of the constraints."""
+        """Second derivative of the constraints by time, shape (constraints,)."""
         c, place = self.mechanics.coordinates, caused.forces.place
-        kept = list(c.constraints)
+        rows = list(c.constraints)
         second = place.second(rate, caused.acceleration)
-        curvature = c.equations.constraint_curvature(place.slope @ rate)[kept]
-        return np.asarray(caused.forces.gradient[kept] @ second + curvature)
+        curvature = c.equations.constraint_curvature(place.slope @ rate)[rows]
+        return np.asarray(caused.forces.gradient[rows] @ second + curvature)
 
     def _second_slopes(self, caused: Free, z: Array, rate: Array) -> Array:
-        """Its derivatives by z and z', shape (2, constraints, N)."""
+        """Derivatives of `_second` by z and z', shape (2, constraints, N)."""
         c, place = self.mechanics.coordinates, caused.forces.place
-        k, kept = len(rate), list(c.constraints)
-        gradient, hessian = caused.forces.gradient[kept], c.equations.constraints[kept, :-1, :-1]
+        k, rows = len(rate), list(c.constraints)
+        gradient, hessian = caused.forces.gradient[rows], c.equations.constraints[rows, :-1, :-1]
         assert caused.jacobian is not None
         jacobian = gradient @ place.slope @ caused.jacobian
         second, speed = place.second(rate, caused.acceleration), place.slope @ rate

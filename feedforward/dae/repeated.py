@@ -65,9 +65,9 @@ class Repeated:
     @cached_property
     def offsets(self) -> tuple[int, ...]:
         """How often each equation is differentiated as well."""
-        left = (self.analysis.index - 1) - 2 * self.times
+        remaining = (self.analysis.index - 1) - 2 * self.times
         return tuple(
-            max(c - left, 2 if row.output is not None else 0)
+            max(c - remaining, 2 if row.output is not None else 0)
             for row, c in zip(self.analysis.rows, self.analysis.equation_offsets, strict=True)
         )
 
@@ -100,9 +100,9 @@ class Repeated:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """The unknowns, then their derivatives that are unknowns too."""
-        named = {place: (j, k) for (j, k), place in self.slots.items()}
-        every = (named[place] for place in range(self._size()))
-        return tuple(self.analysis.unknowns[j] + "'" * k for j, k in every)
+        unknowns = {place: (j, k) for (j, k), place in self.slots.items()}
+        order = (unknowns[place] for place in range(self._size()))
+        return tuple(self.analysis.unknowns[j] + "'" * k for j, k in order)
 
     def _size(self) -> int:
         return sum(offset + 1 for offset in self.offsets)
@@ -132,9 +132,9 @@ class Repeated:
     def rates(self, z: Array, zd: Array, zdd: Array) -> tuple[Array, Array]:
         """Rates and accelerations of the coordinates, dummies among them."""
         k, *_ = self.mechanics.sizes
-        every = np.concatenate((z, zd, zdd))
+        entries = np.concatenate((z, zd, zdd))
         rate, acceleration = (
-            np.array([every[self.slots.get((j, order), j + order * len(z))] for j in range(k)])
+            np.array([entries[self.slots.get((j, order), j + order * len(z))] for j in range(k)])
             for order in (1, 2)
         )
         return rate, acceleration
@@ -145,6 +145,7 @@ class Terms:
     """Polynomials of degree two in the entries of (z, z', z''), as arrays of monomials."""
 
     constant: Array
+    """Constant of each equation, shape (N,)."""
     linear: Array
     """Equation, entry and factor of each linear term, shape (3, terms)."""
     quadratic: Array
@@ -178,15 +179,15 @@ class Terms:
         """At entries w (3 N,)."""
         size = len(self.constant)
         (i, j), a = self.linear[:2].astype(np.intp), self.linear[2]
-        (row, one, other), b = self.quadratic[:3].astype(np.intp), self.quadratic[3]
+        (row, first, second), b = self.quadratic[:3].astype(np.intp), self.quadratic[3]
         residual = self.constant + np.bincount(i, a * w[j], size)
-        residual += np.bincount(row, b * w[one] * w[other], size)
+        residual += np.bincount(row, b * w[first] * w[second], size)
         where, order, column = self.servo.astype(np.intp)
         residual[where] -= given[order, column]
         if not slopes:
             return Evaluated(residual, None)
-        flat = np.concatenate((i * len(w) + j, row * len(w) + one, row * len(w) + other))
-        values = np.concatenate((a, b * w[other], b * w[one]))
+        flat = np.concatenate((i * len(w) + j, row * len(w) + first, row * len(w) + second))
+        values = np.concatenate((a, b * w[second], b * w[first]))
         dense = np.bincount(flat, values, size * len(w)).reshape(size, 3, -1)
         return Evaluated(residual, np.asarray(np.swapaxes(dense, 0, 1), dtype=np.float64))
 

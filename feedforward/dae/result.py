@@ -101,16 +101,16 @@ def _polynomial(equations: Formulation, state: State) -> _Polynomial:
     equations of motion, in the sense of least squares.
     """
     mechanics = equations.mechanics
-    kept = list(mechanics.coordinates.multipliers)
+    rows = list(mechanics.coordinates.multipliers)
     rate, acceleration = equations.rates(*state)
     forces = mechanics.forces(state.z, rate, acceleration)
     place = forces.place
     multipliers = np.zeros(len(forces.gradient))
-    _, multipliers[kept], inputs = mechanics.split(state.z)
-    lost = [k for k in range(len(multipliers)) if k not in kept]
-    if lost:
-        pulls = forces.gradient[lost].T
-        multipliers[lost] = np.linalg.lstsq(pulls, -forces.unbalanced, rcond=None)[0]
+    _, multipliers[rows], inputs = mechanics.split(state.z)
+    eliminated = [k for k in range(len(multipliers)) if k not in rows]
+    if eliminated:
+        pulls = forces.gradient[eliminated].T
+        multipliers[eliminated] = np.linalg.lstsq(pulls, -forces.unbalanced, rcond=None)[0]
     series = np.array([place.q, place.slope @ rate, place.second(rate, acceleration)])
     return _Polynomial(series, multipliers, inputs)
 

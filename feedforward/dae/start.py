@@ -21,7 +21,8 @@ from .formulation import Formulation, prescribed
 ITERATIONS = 20
 """Newton steps allowed; the guess is exact but for a pulley that chooses its own place."""
 BALANCED = 1e-11
-"""Largest residual of a start, over the size of the terms in its equation."""
+"""Largest residual of a start, over the size of the terms in its equation, or over a thousandth of
+the largest equation's where an equation has hardly any."""
 
 
 def at_rest(equations: Formulation, reference: Reference) -> Array:

@@ -40,22 +40,22 @@ def assemble(mechanism: Mechanism) -> tuple[System, Start]:
     _check(mechanism)
     rows = Rows(mechanism)
     names = rows.names
-    named = [pair for body in mechanism.bodies for pair in _rigidity(body, rows)]
+    forms = [pair for body in mechanism.bodies for pair in _rigidity(body, rows)]
     for part in (*mechanism.joints, *mechanism.augmentations):
-        named += [(f"{part.name}.{end}", matrix) for end, matrix in constraints(part, rows)]
+        forms += [(f"{part.name}.{end}", matrix) for end, matrix in constraints(part, rows)]
     turns = []
     for part in mechanism.augmentations:
         if isinstance(part, Angle):
             sine, cosine = turn(part, rows)
-            turns.append(Turn(len(named), names.index(part.name), Form(sine), Form(cosine)))
-            named.append((f"{part.name}.turn", np.zeros_like(sine)))
+            turns.append(Turn(len(forms), names.index(part.name), Form(sine), Form(cosine)))
+            forms.append((f"{part.name}.turn", np.zeros_like(sine)))
     system = System(
         name=mechanism.name,
         names=names,
-        constraint_names=tuple(name for name, _ in named),
+        constraint_names=tuple(name for name, _ in forms),
         mass=_mass(mechanism, names),
         force=_force(mechanism, rows),
-        constraints=np.array([matrix for _, matrix in named]),
+        constraints=np.array([matrix for _, matrix in forms]),
         turns=tuple(turns),
         springs=_springs(mechanism, rows),
         vectors=tuple(

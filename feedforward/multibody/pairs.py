@@ -37,9 +37,9 @@ def _revolute(part: Revolute, rows: Rows) -> Iterator[Named]:
     """Equal points, and an axis across two of the second body's vectors (Y 2.70)."""
     yield from _spherical(part, rows)
     if rows.dimension == 3:
-        across, other, along = triad(part.axis, part.name, 3)
+        across, beside, along = triad(part.axis, part.name, 3)
         line = rows.vector(part.first.body, along)
-        for number, vector in enumerate((across, other), start=1):
+        for number, vector in enumerate((across, beside), start=1):
             fixed = rows.in_second(part.first.body, part.second.body, vector)
             yield f"across{number}", form(*dot(line, rows.vector(part.second.body, fixed)))
 

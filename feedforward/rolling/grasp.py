@@ -150,8 +150,8 @@ def split(motion: HandMotion) -> tuple[Array, Array]:
     null[:, :count][~weak] = 0.0
     if motion.hand.planar:
         null[:, :, 1::3] = 0.0
-    used = np.abs(null).max(axis=(0, 2)) > 0
-    return forces, null[:, used].swapaxes(1, 2)
+    columns = np.abs(null).max(axis=(0, 2)) > 0
+    return forces, null[:, columns].swapaxes(1, 2)
 
 
 def _unbalanced(motion: HandMotion, error: Array, worst: Array) -> PathError:

@@ -1,5 +1,6 @@
 """The motion of a hand and its object: poses, contacts and fingers at N instants."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -100,45 +101,35 @@ class HandMotion:
     @property
     def column_names(self) -> tuple[str, ...]:
         """Names of the columns of `table`."""
-        names = ["time"]
-        for part in ("object", "object.v", "object.a"):
-            names += [f"{part}.{axis}" for axis in AXES]
-        names += [f"object.R{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)]
-        names += [f"object.{angle}" for angle in ("phi", "theta", "psi")]
-        for part in ("object.w", "object.w_dot"):
-            names += [f"{part}.{axis}" for axis in AXES]
-        for kind in self._of_fingers():
-            for finger in self.hand.finger_names:
-                names += [f"{finger}.{kind}.{axis}" for axis in AXES]
-        return tuple(names)
-
-    def _of_fingers(self) -> dict[str, Array]:
-        return {
-            "position": self.finger_positions,
-            "velocity": self.finger_velocities,
-            "acceleration": self.finger_accelerations,
-            "tip_velocity": self.tip_velocities,
-            "tip_turn": self.tip_turns,
-            "contact_on_object": self.contacts_on_object,
-            "contact_on_finger": self.contacts_on_fingers,
-        }
+        return tuple(name for name, _ in self._columns())
 
     @property
     def table(self) -> Array:
         """All of it, one row an instant, columns `column_names`."""
-        count, fingers = len(self.times), len(self.hand.fingers)
-        parts = [
-            self.times[:, None],
-            self.position,
-            self.velocity,
-            self.acceleration,
-            self.rotation.reshape(count, 9),
-            self.rpy,
-            self.angular_velocity,
-            self.angular_acceleration,
-            *(array.reshape(count, 3 * fingers) for array in self._of_fingers().values()),
-        ]
-        return np.concatenate(parts, axis=1)
+        return np.stack([values for _, values in self._columns()], axis=1)
+
+    def _columns(self) -> Iterator[tuple[str, Array]]:
+        """Name and values (N,) of every column."""
+        yield "time", self.times
+        yield from _named("object", AXES, self.position)
+        yield from _named("object.v", AXES, self.velocity)
+        yield from _named("object.a", AXES, self.acceleration)
+        entries = [f"R{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)]
+        yield from _named("object", entries, self.rotation.reshape(-1, 9))
+        yield from _named("object", ("phi", "theta", "psi"), self.rpy)
+        yield from _named("object.w", AXES, self.angular_velocity)
+        yield from _named("object.w_dot", AXES, self.angular_acceleration)
+        for kind, values in (
+            ("position", self.finger_positions),
+            ("velocity", self.finger_velocities),
+            ("acceleration", self.finger_accelerations),
+            ("tip_velocity", self.tip_velocities),
+            ("tip_turn", self.tip_turns),
+            ("contact_on_object", self.contacts_on_object),
+            ("contact_on_finger", self.contacts_on_fingers),
+        ):
+            for i, finger in enumerate(self.hand.finger_names):
+                yield from _named(f"{finger}.{kind}", AXES, values[:, i])
 
     def to_csv(self, path: str | Path) -> None:
         """Write `table`.
@@ -151,3 +142,8 @@ class HandMotion:
         with replacing(path) as beside:
             header = ",".join(self.column_names)
             np.savetxt(beside, self.table, "%.17g", ",", header=header, comments="")
+
+
+def _named(owner: str, entries: Sequence[str], values: Array) -> Iterator[tuple[str, Array]]:
+    """Columns OWNER.ENTRY of values (N, entries)."""
+    return ((f"{owner}.{entry}", column) for entry, column in zip(entries, values.T, strict=True))

@@ -14,9 +14,8 @@ turns of the tips, and the stated error is theirs.
 A plan refuses what the hand cannot do when it is made: see `limits`.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -90,7 +89,9 @@ class HandPlan:
             places[:, :, i] = position + (self.hand.held.radius + tip.radius) * direction
             if isinstance(tip, TurningTip):
                 spinning[:, :, i] = tip.spinning(direction, rate)
-                turns[:, i], tip_error = integrate(self._tip_rate(tip), times, self.move.duration)
+                turns[:, i], tip_error = integrate(
+                    partial(self._tip_rate, tip), times, self.move.duration
+                )
                 error = max(error, tip_error)
         return HandMotion(
             self.hand, self.move, times,
@@ -118,24 +119,23 @@ class HandPlan:
         return position[1], rate[0], tips
 
     def _swept(self, times: Array) -> tuple[Array, float]:
-        """Integral of the object's angular velocity (N, 3), and its error; not wanted by tips."""
+        """Integral of the object's angular velocity (N, 3), and its error; 0 without plates."""
         if isinstance(self.turning, WithSpin):
             return self.turning.swept(times), 0.0
         if len(self.tips) == len(self.hand.fingers):
             return np.zeros((len(times), 3)), 0.0
+        return integrate(self._rate, times, self.move.duration)
 
-        def rate(at: Array) -> Array:
-            return np.asarray(angular_velocity(self.turning.rotation(at))[0])
+    def _rate(self, times: Array) -> Array:
+        """Angular velocity of the object at times (N,), shape (N, 3)."""
+        return np.asarray(angular_velocity(self.turning.rotation(times))[0])
 
-        return integrate(rate, times, self.move.duration)
-
-    def _tip_rate(self, tip: TurningTip) -> Callable[[Array], Array]:
-        def rate(at: Array) -> Array:
-            rotation = self.turning.rotation(at)
-            series = tip.spinning(tip.direction(at, rotation), angular_velocity(rotation))
-            return np.asarray(series[0])
-
-        return rate
+    def _tip_rate(self, tip: TurningTip, times: Array) -> Array:
+        """Angular velocity of a tip at times (N,), shape (N, 3)."""
+        rotation = self.turning.rotation(times)
+        return np.asarray(
+            tip.spinning(tip.direction(times, rotation), angular_velocity(rotation))[0]
+        )
 
     @cached_property
     def notes(self) -> tuple[str, ...]:

@@ -23,8 +23,8 @@ SAMPLES = 401
 def _use(forces: ContactForces) -> str:
     """Largest share of friction used, or who leaves the cones."""
     outside = forces.outside
-    used = float(forces.friction_use.max() / forces.motion.hand.friction)
-    return f"{used:.2f}" if outside is None else f"outside ({outside.finger})"
+    share = float(forces.friction_use.max() / forces.motion.hand.friction)
+    return f"{share:.2f}" if outside is None else f"outside ({outside.finger})"
 
 
 def line(hand: Hand, move: HandMove) -> str:
@@ -38,13 +38,13 @@ def line(hand: Hand, move: HandMove) -> str:
     plan = plan_hand(hand, move)
     motion = plan(np.linspace(0.0, move.duration, SAMPLES))
     try:
-        used = [_use(least_norm(motion)), _use(in_cones(motion))]
+        uses = [_use(least_norm(motion)), _use(in_cones(motion))]
     except PathError:
-        used = ["none exist", "none exist"]
+        uses = ["none exist", "none exist"]
     return (
         f"{hand.name:<29}{move.turning:<10}{max(residuals(motion)):>12.1e}"
         f"{motion.quadrature_error:>12.1e}{replay(plan).orientation:>12.1e}  "
-        f"{used[0]:<20}{used[1]}"
+        f"{uses[0]:<20}{uses[1]}"
     )
 
 

@@ -43,13 +43,6 @@ _LENGTH = 6
 """Coefficients of phi and theta: those of a pose, and three that differentiation costs."""
 
 
-def _lengthened(value: Array, rate: Array) -> Array:
-    """Series (6, N) of a linear function."""
-    result = np.zeros((_LENGTH, len(value)))
-    result[0], result[1] = value, rate
-    return result
-
-
 def _quintic(ends: Array) -> Array:
     """Coefficients from value, rate and second derivative at 0 and 1, (2, 3)."""
     (a, b, c), (p, q, r) = ends
@@ -97,11 +90,10 @@ class WithSpin:
 
     def _outputs(self, place: Array) -> tuple[Array, Array]:
         """Series of phi and theta over the path parameter, (6, N) each."""
-        start, goal = np.array(self.start), np.array(self.goal)
-        rate = goal - start
-        phi, theta = (
-            _lengthened(start[i] + rate[i] * place, np.full_like(place, rate[i])) for i in (0, 1)
-        )
+        start, rate = np.array(self.start), np.subtract(self.goal, self.start)
+        phi, theta = np.zeros((2, _LENGTH, len(place)))
+        for i, series in enumerate((phi, theta)):
+            series[0], series[1] = start[i] + rate[i] * place, rate[i]
         return phi, theta
 
     @cached_property

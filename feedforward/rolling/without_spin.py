@@ -88,9 +88,9 @@ class WithoutSpin:
             return np.zeros(2)
         ends = np.array([self.start[1], self.goal[1]])
         sines = _integral(ends, self.goal[1])
-        left = np.array([[step, step**3 / 3], sines[:, 0] - sines[:, 1]])
+        matrix = np.array([[step, step**3 / 3], sines[:, 0] - sines[:, 1]])
         right = [self.start[2] - self.goal[2], self.start[0] - self.goal[0]]
-        return np.asarray(np.linalg.solve(left, right))
+        return np.asarray(np.linalg.solve(matrix, right))
 
     @property
     def coefficients(self) -> tuple[float, float, float, float]:
