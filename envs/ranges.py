@@ -25,7 +25,7 @@ It is drawn after all others, which stay what they are without it.
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import Field, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, Generic, Self, TypeVar
 
 import numpy as np
@@ -42,12 +42,6 @@ def quantity(neutral: float, **rule: Any) -> Any:
     return field(default=neutral, metadata={"rule": rule})
 
 
-def rule_of(item: "Field[Any]") -> dict[str, Any]:
-    """What `number` is to check a field for, beyond being finite."""
-    rule: dict[str, Any] = item.metadata.get("rule", {})
-    return rule
-
-
 @dataclass(frozen=True)
 class PlantScenario:
     """How one plant differs from its model.
@@ -61,7 +55,7 @@ class PlantScenario:
     def __post_init__(self) -> None:
         for item in fields(self):
             if "rule" in item.metadata:
-                number(f"scenario: {item.name}", getattr(self, item.name), **rule_of(item))
+                number(f"scenario: {item.name}", getattr(self, item.name), **item.metadata["rule"])
 
     def disturb(self, plant: Any, sim: int) -> None:
         """Change simulation `sim` of a plant at the start of an episode; a hook of subclasses."""
@@ -86,7 +80,7 @@ class Ranges(ABC, Generic[ScenarioT]):
     """Names of the numbers that are the same in all scenarios."""
 
     def __post_init__(self) -> None:
-        rules = {item.name: rule_of(item) for item in fields(self.scenario_type)}
+        rules = {item.name: item.metadata.get("rule", {}) for item in fields(self.scenario_type)}
         for item in fields(self):
             name, value, rule = item.name, getattr(self, item.name), rules[item.name]
             label = f"disturbances: {name}"
@@ -142,9 +136,9 @@ class Ranges(ABC, Generic[ScenarioT]):
             It is no scenario, or one that the environment was not made for.
         """
         if scenario is not None and not isinstance(scenario, self.scenario_type):
-            name = self.scenario_type.__name__
-            article = "an" if name[0] in "AEIOU" else "a"
-            raise OptionError(f"scenario is {scenario!r}, it must be {article} {name}")
+            raise OptionError(
+                f"scenario is {scenario!r}, it must be a {self.scenario_type.__name__}"
+            )
 
     @property
     @abstractmethod

@@ -13,22 +13,19 @@ from .spaces import action_space, observation_space
 
 TaskT = TypeVar("TaskT", bound=AnyTask)
 
-OPTIONS = ("scenario", "reference")
 
+class TaskFace(Generic[TaskT]):
+    """What single and vector environments have in common: a task, its names, and pictures."""
 
-class TaskEnv(gym.Env[Any, Any], Generic[TaskT]):
-    """The only simulation of a task.
+    task: TaskT
+    """The simulations."""
+    metadata: dict[str, Any]
+    render_mode: str | None
 
-    `reset(options={"scenario": ..., "reference": ...})` prescribes what would be drawn.
-    """
-
-    metadata = {"render_modes": list(MODES), "render_fps": 50}  # noqa: RUF012 (Gymnasium's)
-
-    def __init__(self, task: TaskT, render_mode: str | None = None) -> None:
+    def _show(self, task: TaskT, render_mode: str | None, modes: tuple[str, ...]) -> None:
+        """Take a task, and check how it is to be drawn."""
         self.task = task
-        self.observation_space = observation_space(task.observation_names)
-        self.action_space = action_space(task.action_names)
-        self.render_mode = check_mode(render_mode)
+        self.render_mode = check_mode(render_mode, modes)
         self.metadata = {**self.metadata, "render_fps": round(1.0 / task.period)}
         self._camera: Camera | None = None
 
@@ -41,6 +38,37 @@ class TaskEnv(gym.Env[Any, Any], Generic[TaskT]):
     def action_names(self) -> tuple[str, ...]:
         """Names of the entries of an action."""
         return self.task.action_names
+
+    def _pictures(self) -> list[Any] | None:
+        """A picture (height, width, 3) of bytes of each simulation, None without a mode."""
+        if self.render_mode is None:
+            return None
+        if self._camera is None:
+            self._camera = Camera(self.task.looks(), self.render_mode)
+        return [self._camera.show(joints) for joints in self.task.plant.qpos]
+
+    def _close_camera(self) -> None:
+        """Close the window or give back the renderer, if there is one."""
+        if self._camera is not None:
+            self._camera.close()
+            self._camera = None
+
+
+OPTIONS = ("scenario", "reference")
+
+
+class TaskEnv(TaskFace[TaskT], gym.Env[Any, Any]):
+    """The only simulation of a task.
+
+    `reset(options={"scenario": ..., "reference": ...})` prescribes what would be drawn.
+    """
+
+    metadata = {"render_modes": list(MODES), "render_fps": 50}  # noqa: RUF012 (Gymnasium's)
+
+    def __init__(self, task: TaskT, render_mode: str | None = None) -> None:
+        self._show(task, render_mode, MODES)
+        self.observation_space = observation_space(task.observation_names)
+        self.action_space = action_space(task.action_names)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -72,17 +100,12 @@ class TaskEnv(gym.Env[Any, Any], Generic[TaskT]):
 
     def render(self) -> Any:
         """A picture (height, width, 3) of bytes, or a frame in the viewer's window."""
-        if self.render_mode is None:
-            return None
-        if self._camera is None:
-            self._camera = Camera(self.task.looks(), self.render_mode)
-        return self._camera.show(self.task.plant.qpos[0])
+        pictures = self._pictures()
+        return None if pictures is None else pictures[0]
 
     def close(self) -> None:
         """Close the window, if there is one."""
-        if self._camera is not None:
-            self._camera.close()
-            self._camera = None
+        self._close_camera()
 
     def _info(self, reason: str) -> dict[str, Any]:
         """The truth about the only simulation, and why its episode is over."""

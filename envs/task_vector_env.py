@@ -1,7 +1,7 @@
 """Many simulations with Gymnasium's `VectorEnv` interface, stepped together in C threads."""
 
 from collections.abc import Sequence
-from typing import Any, Generic
+from typing import Any
 
 import numpy as np
 from gymnasium.utils import seeding
@@ -13,14 +13,13 @@ from ..models.errors import OptionError
 from ..models.types import Array, Mask
 from .common import Ids
 from .option_checks import check_options, seed_of
-from .rendering import Camera, check_mode
 from .spaces import action_space, observation_space
-from .task_env import TaskT
+from .task_env import TaskFace, TaskT
 
 OPTIONS = ("scenarios", "references", "reset_mask")
 
 
-class TaskVectorEnv(VectorEnv[Array, Any, Any], Generic[TaskT]):
+class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
     """All simulations of a task, in autoreset mode NEXT_STEP.
 
     A simulation whose episode is over begins the next one in the following step, which ignores its
@@ -41,27 +40,14 @@ class TaskVectorEnv(VectorEnv[Array, Any, Any], Generic[TaskT]):
     }
 
     def __init__(self, task: TaskT, render_mode: str | None = None) -> None:
-        self.task = task
+        self._show(task, render_mode, ("rgb_array",))
         self.num_envs = num_envs = task.num
-        self.render_mode = check_mode(render_mode, ("rgb_array",))
-        self.metadata = {**self.metadata, "render_fps": round(1.0 / task.period)}
         self.single_observation_space = observation_space(task.observation_names)
         self.single_action_space = action_space(task.action_names)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._generators = [seeding.np_random()[0] for _ in range(num_envs)]
         self._over: Mask = np.zeros(num_envs, dtype=bool)
-        self._camera: Camera | None = None
-
-    @property
-    def observation_names(self) -> tuple[str, ...]:
-        """Names of the entries of an observation."""
-        return self.task.observation_names
-
-    @property
-    def action_names(self) -> tuple[str, ...]:
-        """Names of the entries of an action."""
-        return self.task.action_names
 
     def reset(
         self,
@@ -111,17 +97,12 @@ class TaskVectorEnv(VectorEnv[Array, Any, Any], Generic[TaskT]):
 
     def render(self) -> Any:
         """A tuple with a picture (height, width, 3) of bytes for each simulation."""
-        if self.render_mode is None:
-            return None
-        if self._camera is None:
-            self._camera = Camera(self.task.looks(), self.render_mode)
-        return tuple(self._camera.show(joints) for joints in self.task.plant.qpos)
+        pictures = self._pictures()
+        return None if pictures is None else tuple(pictures)
 
     def close_extras(self, **options: Any) -> None:
         """Give back the renderer, if there is one."""
-        if self._camera is not None:
-            self._camera.close()
-            self._camera = None
+        self._close_camera()
 
     def _seeds(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
         """A seed or None for each simulation."""

@@ -22,12 +22,7 @@ class CraneEnv(TaskEnv[CraneTask]):
 class CraneVectorEnv(TaskVectorEnv[CraneTask]):
     """n cranes that are to follow references; `options` are those of `CraneTask`.
 
-    A crane whose episode is over begins the next one in the following step, which ignores its
-    action and rewards it with 0 (autoreset mode NEXT_STEP).  Seeded with `seed`, crane i is the
-    single environment seeded with seed + i, to the last bit.
-
-    `reset(options={"scenarios": [...], "references": [...]})` prescribes, crane by crane, what
-    would be drawn; "reset_mask", n booleans, resets only some.
+    Episodes begin and end as those of `flatrig.envs.task_vector_env.TaskVectorEnv`.
     """
 
     what = "cranes"

@@ -18,12 +18,16 @@ import numpy as np
 
 from ...models.errors import OptionError, did_you_mean
 from ...models.friction import Friction
-from ...models.rig.rig import Frame, Rope
+from ...models.rig.rig import Frame, Rope, Trolley
 from ...models.types import Array
 from ..controllers import AnyEnv, Law, refuse_below, task_of, wrap
 from .task import CraneTask
 
 Speed = Literal["reference", "measured"]
+"""Where the speed comes from that the friction is expected at."""
+
+KINDS: dict[type, str] = {Rope: "winch", Trolley: "trolley", Frame: "frame"}
+"""How ranges of disturbances call what a drive moves."""
 
 
 class CompensationLaw(Law):
@@ -81,7 +85,7 @@ def FrictionCompensation(
     if speed not in ("reference", "measured"):
         raise OptionError(f'speed is {speed!r}, it must be "reference" or "measured"')
     if friction is None:
-        frictions = expected(task)
+        frictions: list[Friction | None] = [*expected(task)]
     else:
         for name, value in friction.items():
             if name not in task.rig.input_names:
@@ -94,17 +98,13 @@ def FrictionCompensation(
     return wrap(env, law, friction=friction, speed=speed)
 
 
-def expected(task: CraneTask) -> list[Friction | None]:
+def expected(task: CraneTask) -> list[Friction]:
     """For each drive, the middle of the ranges of a task's disturbances."""
-    found: list[Friction | None] = []
-    ranges = task.disturbances
-    for drive in task.rig.drives:
-        part = task.rig.driven(drive)
-        kind = (
-            "winch" if isinstance(part, Rope) else "frame" if isinstance(part, Frame) else "trolley"
-        )
+    ranges, frictions = task.disturbances, []
+    for part in map(task.rig.driven, task.rig.drives):
+        kind = KINDS[type(part)]
         coulomb = float(np.mean(getattr(ranges, f"{kind}_friction")))
-        found.append(
+        frictions.append(
             Friction(
                 coulomb,
                 viscous=float(np.mean(getattr(ranges, f"{kind}_viscous"))),
@@ -112,4 +112,4 @@ def expected(task: CraneTask) -> list[Friction | None]:
                 stribeck_velocity=ranges.stribeck_velocity,
             )
         )
-    return found
+    return frictions

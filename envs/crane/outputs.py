@@ -8,8 +8,8 @@ import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
-from ...models.rig.chain import links
-from ...models.rig.parts import Combination, Load, Platform, Trolley
+from ...models.rig.chain import joint_names, links
+from ...models.rig.parts import Load, Platform, Trolley
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from .geometry import Scales, evenly
@@ -24,14 +24,15 @@ class Outputs:
     Attributes
     ----------
     values, rates
-        (n, outputs) [m, rad]; the rates have no columns if they were not asked for.
+        Shape (n, outputs) [m, rad] and [m/s, rad/s]; no rates without `rates`.
     """
 
     def __init__(self, rig: Rig, model: mujoco.MjModel, batch: Batch, rates: bool) -> None:
         num = batch.nsim
         free = [*(part.name for part in rig.loads), *(part.name for part in rig.platforms)]
         sites = [model.site(index).name for index in range(model.nsite)]
-        self._terms = [_terms(rig, model, name, sites) for name in rig.outputs]
+        where = _sources(rig, model, sites)
+        self._terms = [where[name] for name in rig.outputs]
         self.values = np.zeros((num, len(self._terms)))
         self.rates = np.zeros((num, len(self._terms) if rates else 0))
         self._sources = {
@@ -85,37 +86,35 @@ def levers(rig: Rig, scales: Scales) -> Array:
     the angle of a frame the typical length.
     """
     frames = [frame.coordinate for frame in rig.frames if frame.kind == "turning"]
-    found = dict.fromkeys(rig.outputs, 1.0) | dict.fromkeys(frames, scales.length)
+    lever = dict.fromkeys(rig.outputs, 1.0) | dict.fromkeys(frames, scales.length)
     for platform in rig.platforms:
         corners = [anchor.position for anchor in rig.anchors if anchor.frame == platform.name]
         farthest = max(float(np.linalg.norm(corner)) for corner in corners)
-        found |= dict.fromkeys(platform.angles, farthest)
-    return np.array([found[output] for output in rig.outputs])
+        lever |= dict.fromkeys(platform.angles, farthest)
+    return np.array([lever[output] for output in rig.outputs])
 
 
-def _terms(rig: Rig, model: mujoco.MjModel, name: str, sites: list[str]) -> list[Term]:
-    """Where an output is read."""
-    for combination in rig.combinations:
-        if combination.name == name:
-            return _sum_of(rig, model, combination, sites)
-    for rope in rig.ropes:
-        if rope.coordinate == name:
-            return [("rope", model.tendon(rope.name).id, 1.0)]
-    owner, _, axis = name.rpartition(".")
+def _sources(rig: Rig, model: mujoco.MjModel, sites: list[str]) -> dict[str, list[Term]]:
+    """Where every coordinate and weighted sum is read, by name."""
+    where: dict[str, list[Term]] = {
+        name: [("joint", model.joint(name).id, 1.0)] for name in joint_names(rig)
+    }
     for link in links(rig):
-        if isinstance(link.part, Trolley) and link.part.coordinate == name:
-            terms = link.sums or ((name, 1.0),)
-            return [("joint", model.joint(joint).id, factor) for joint, factor in terms]
-        if isinstance(link.part, Load | Platform) and link.name == owner and axis in "xyz":
-            return [("site", 3 * sites.index(owner) + "xyz".index(axis), 1.0)]
-    return [("joint", model.joint(name).id, 1.0)]
-
-
-def _sum_of(
-    rig: Rig, model: mujoco.MjModel, combination: Combination, sites: list[str]
-) -> list[Term]:
-    return [
-        (source, column, factor * share)
-        for part, factor in zip(combination.of, combination.factors, strict=True)
-        for source, column, share in _terms(rig, model, part, sites)
-    ]
+        if isinstance(link.part, Trolley):
+            terms = link.sums or ((link.part.coordinate, 1.0),)
+            where[link.part.coordinate] = [
+                ("joint", model.joint(joint).id, factor) for joint, factor in terms
+            ]
+        elif isinstance(link.part, Load | Platform):
+            first = 3 * sites.index(link.name)
+            for axis, letter in enumerate("xyz"):
+                where[f"{link.name}.{letter}"] = [("site", first + axis, 1.0)]
+    for rope in rig.ropes:
+        where[rope.coordinate] = [("rope", model.tendon(rope.name).id, 1.0)]
+    for combination in rig.combinations:
+        where[combination.name] = [
+            (source, column, factor * share)
+            for part, factor in zip(combination.of, combination.factors, strict=True)
+            for source, column, share in where[part]
+        ]
+    return where

@@ -26,7 +26,7 @@ class HandEnv(TaskEnv[HandTask]):
 class HandVectorEnv(TaskVectorEnv[HandTask]):
     """n hands; seeded with `seed`, hand i is the single environment seeded with seed + i.
 
-    Episodes begin and end as those of `CraneVectorEnv`.
+    Episodes begin and end as those of `flatrig.envs.task_vector_env.TaskVectorEnv`.
     """
 
     what = "hands"

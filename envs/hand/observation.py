@@ -15,7 +15,7 @@ from ...models.hand.hand import Hand
 from ...models.types import Array
 from ..sensing import FINE, Observation, Sensor
 from ..signals import Encoders, Rows
-from .plan import turn_axes
+from .plan import slide_drives, turn_axes
 from .plant import HandPlant
 
 TIME = 0.2
@@ -28,9 +28,7 @@ WAYS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
 def observation_of(plant: HandPlant, encoders: Encoders, rows: Rows, full: bool) -> Observation:
     """The observations of n simulations, with the object's pose if `full`."""
     hand, planned = plant.hand, rows.parts
-    units: list[float] = []
-    for finger in hand.fingers:
-        units += [hand.held.radius] * len(finger.slides) + [1.0] * len(turn_axes(finger))
+    units = np.where(slide_drives(hand), hand.held.radius, 1.0)
     ways = [0, 2, 4] if hand.planar else list(range(6))
     near = FINE * np.array([hand.held.radius] * 3 + [1.0] * 3)[ways]
 
@@ -46,7 +44,7 @@ def observation_of(plant: HandPlant, encoders: Encoders, rows: Rows, full: bool)
     ]
     names = drive_names(hand)
     home = np.zeros(len(names))
-    return Observation(encoders, rows, names, np.array(units), TIME, home, sensors if full else ())
+    return Observation(encoders, rows, names, units, TIME, home, sensors if full else ())
 
 
 def drive_names(hand: Hand) -> tuple[str, ...]:

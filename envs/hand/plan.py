@@ -24,7 +24,7 @@ from ...models.errors import PathError
 from ...models.hand.hand import Finger, Hand, Tip
 from ...models.hand.move import HandMove
 from ...models.mjcf.hand_model import finger_home
-from ...models.types import Array
+from ...models.types import Array, Mask
 from ...models.values import Vector
 from ..plans import Layout, Plan, steps_ahead
 from .rolling_feedback import feedback_gains
@@ -73,8 +73,14 @@ class HandPlan(Plan):
 
 def hand_layout(hand: Hand) -> Layout:
     """The columns of a hand's plans."""
-    drives = sum(len(finger.slides) + len(turn_axes(finger)) for finger in hand.fingers)
-    return Layout(drives, 12, 6)
+    return Layout(len(slide_drives(hand)), 12, 6)
+
+
+def slide_drives(hand: Hand) -> Mask:
+    """Which drives are slides, the others being turns of tips, shape (drives,)."""
+    return np.concatenate(
+        [np.arange(len(f.slides) + len(turn_axes(f))) < len(f.slides) for f in hand.fingers]
+    )
 
 
 def turn_axes(finger: Finger) -> tuple[Vector, ...]:
@@ -188,17 +194,14 @@ def _at(motion: HandMotion, which: slice) -> HandMotion:
     return replace(motion, **arrays)
 
 
+MOVING = (
+    "velocity", "acceleration", "angular_velocity", "angular_acceleration", "finger_velocities",
+    "finger_accelerations", "tip_velocities", "tip_accelerations",
+)  # fmt: skip
+"""What is zero in a motion at rest."""
+
+
 def _resting(motion: HandMotion) -> HandMotion:
     """The same poses at rest."""
-    flat, fingers = np.zeros_like(motion.position), np.zeros_like(motion.normals)
-    return replace(
-        motion,
-        velocity=flat,
-        acceleration=flat,
-        angular_velocity=flat,
-        angular_acceleration=flat,
-        finger_velocities=fingers,
-        finger_accelerations=fingers,
-        tip_velocities=fingers,
-        tip_accelerations=fingers,
-    )
+    rest: dict[str, Any] = {name: np.zeros_like(getattr(motion, name)) for name in MOVING}
+    return replace(motion, **rest)

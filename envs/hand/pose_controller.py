@@ -19,6 +19,7 @@ import numpy as np
 from ...models.errors import OptionError
 from ...models.types import Array
 from ..controllers import AnyEnv, Law, PDLaw, laws_of, refuse_below, task_of, wrap
+from .plan import slide_drives
 from .task import HandTask
 
 FASTEST = 2.0
@@ -37,8 +38,7 @@ class PoseFeedbackLaw(Law):
         fingers = [len(finger.slides) for finger in task.hand.fingers]
         self._finger = np.repeat(np.arange(len(fingers)), fingers)
         self._slides = np.vstack([finger.slides for finger in task.hand.fingers])
-        names = task.action_names
-        self._columns = [k for k, name in enumerate(names) if ".slide" in name]
+        self._columns = np.flatnonzero(slide_drives(task.hand))
 
     def apply(self, actions: Array) -> Array:
         """Add what the moved reference asks of the servo."""
