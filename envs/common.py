@@ -1,15 +1,10 @@
-"""What simulations of cranes and of hands have in common: names, limits, and how they are made."""
+"""What environments of cranes and of hands have in common: names and limits."""
 
-import os
-from typing import Protocol
+from typing import Any, Protocol
 
 import mujoco
 import numpy as np
-from mujoco.batch import Batch
 from numpy.typing import NDArray
-
-from ..models.mjcf.simulate import leave_no_log
-from ..models.types import Array
 
 Ids = NDArray[np.int32]
 """Indices of some simulations, sorted."""
@@ -33,21 +28,8 @@ NOTHING = int(mujoco.mjtStage.mjSTAGE_NONE)
 """What MuJoCo computes after a step or reset whose results nobody reads."""
 
 
-class Encoded(Protocol):
-    """n simulations whose drives have encoders; arrays are live."""
-
-    num: int
-    """Number of simulations n."""
-    encoders: Array
-    """What ideal encoders read: positions, then rates, shape (n, 2 drives)."""
-    drive_positions: Array
-    """The first half of `encoders`, shape (n, drives) [m, rad]."""
-    drive_rates: Array
-    """The second half of `encoders`, shape (n, drives) [m/s, rad/s]."""
-
-
-class Measured(Protocol):
-    """What a scenario says about encoders and inputs."""
+class AnyScenario(Protocol):
+    """How one plant differs from its model."""
 
     @property
     def encoder_resolution(self) -> float:
@@ -57,16 +39,5 @@ class Measured(Protocol):
     def delay(self) -> int:
         """Whole control periods between command and input."""
 
-
-def bare_model(scene: mujoco.MjSpec) -> mujoco.MjModel:
-    """Compile the physics of an environment, whose warnings go to the console only."""
-    leave_no_log()
-    # A state that is not finite must show, not be replaced by the initial one without a word.
-    scene.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
-    return scene.compile()
-
-
-def batch_of(model: mujoco.MjModel, num: int, nthread: int | None) -> Batch:
-    """Make `num` simulations, by default with as many threads as there are processors for them."""
-    threads = min(num, os.cpu_count() or 1) if nthread is None else int(nthread)
-    return Batch(model, num, threads, persistent=True)
+    def disturb(self, plant: Any, sim: int) -> None:
+        """Change simulation `sim` of a plant at the start of an episode."""

@@ -6,7 +6,7 @@ A task has a plant, a planner whose plans are read row by row, encoders, command
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, Generic, NamedTuple, Protocol, TypeVar, cast
+from typing import Any, Generic, NamedTuple, cast
 
 import mujoco
 import numpy as np
@@ -14,14 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..models.errors import OptionError
 from ..models.types import Array, Mask
-from .common import NOT_FINITE, Encoded, Ids, Measured, Steps
+from .common import NOT_FINITE, Ids, Steps
 from .gains import Gains, Track
 from .option_checks import actions_of, number, substeps_of
-from .plans import Layout, Plan, Planner, PlanT
+from .plans import Layout, Planner, PlanT
 from .ranges import Ranges, ScenarioT
 from .rewards import Reward
 from .sensing import Observation
 from .signals import Commands, Encoders, Rows
+from .simulations import Simulations
 
 SENSORS = ("encoders", "full")
 """What an observation can hold."""
@@ -41,41 +42,6 @@ class Outcome(NamedTuple):
     """Whether the time is over, shape (n,)."""
     reasons: list[str]
     """Why each simulation's episode is over; "" while it goes on."""
-
-
-DisturbedT = TypeVar("DisturbedT", bound=Measured, contravariant=True)
-PlannedT = TypeVar("PlannedT", bound=Plan, contravariant=True)
-
-
-class Simulations(Encoded, Protocol[PlannedT, DisturbedT]):
-    """n simulations of a crane or a hand; arrays are live."""
-
-    ctrl: Array
-    """Inputs, shape (n, drives) [N, N m]; written before each step."""
-    qpos: Array
-    """Joint positions, shape (n, nq)."""
-    outputs: Array
-    """What the reference prescribes, as it really is, shape (n, outputs)."""
-    home: Array
-    """Joints at rest at home, shape (nq,)."""
-    home_inputs: Array
-    """Inputs that hold the plant there, shape (drives,) [N, N m]."""
-
-    @property
-    def sound(self) -> bool:
-        """Whether every simulation can go on."""
-
-    def at_rest(self, plan: PlannedT) -> Array:
-        """Joints (nq,) where a plan begins."""
-
-    def reset(self, ids: Ids, qpos: Array, ctrl: Array, scenarios: Sequence[DisturbedT]) -> None:
-        """Put simulations at rest at joints (len(ids), nq) under inputs (len(ids), drives)."""
-
-    def step(self, ids: Ids | None = None) -> None:
-        """Hold `ctrl` over one control period, in all simulations or some."""
-
-    def why(self, sim: int) -> str:
-        """Reason for which a simulation cannot go on, "" if it can."""
 
 
 class Task(ABC, Generic[PlanT, ScenarioT]):

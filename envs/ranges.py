@@ -33,7 +33,7 @@ from numpy.typing import ArrayLike
 
 from ..models.errors import OptionError, did_you_mean
 from ..models.types import Array
-from .common import Measured
+from .common import AnyScenario
 from .option_checks import number
 
 
@@ -61,7 +61,7 @@ class PlantScenario:
         """Change simulation `sim` of a plant at the start of an episode; a hook of subclasses."""
 
 
-ScenarioT = TypeVar("ScenarioT", bound=Measured)
+ScenarioT = TypeVar("ScenarioT", bound=AnyScenario)
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,15 @@
 """Between controller and plant: encoders that count, inputs that come late, plans read by row."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from ..models.errors import OptionError
 from ..models.types import Array
-from .common import LONGEST_DELAY, Encoded, Ids, Measured, Steps
+from .common import LONGEST_DELAY, AnyScenario, Ids, Steps
 from .plans import Layout, Plan
+from .simulations import Simulations
 
 MEMORY = 1.0
 """Time constant of the running average of the tracking error [s]."""
@@ -27,7 +29,7 @@ class Encoders:
         Running average of the position errors, (n, drives).
     """
 
-    def __init__(self, plant: Encoded, period: float) -> None:
+    def __init__(self, plant: Simulations[Any, Any], period: float) -> None:
         self._plant, self._period = plant, period
         self._drives = drives = plant.drive_positions.shape[1]
         self._share = np.full((plant.num, drives), 1.0 - np.exp(-period / MEMORY))
@@ -55,7 +57,7 @@ class Encoders:
         """What a simulation that rests must keep."""
         return self.errors, self.average, self._counted
 
-    def reset(self, ids: Ids, scenarios: Sequence[Measured], planned: Array) -> None:
+    def reset(self, ids: Ids, scenarios: Sequence[AnyScenario], planned: Array) -> None:
         """Read plants that were put at rest; `planned` are all plants' (n, 2 drives)."""
         self._resolution[ids, 0] = [scenario.encoder_resolution for scenario in scenarios]
         if self._resolution.any() and not self._counting:
@@ -110,7 +112,7 @@ class Commands:
         self._every = np.arange(num)
         self._late = False
 
-    def reset(self, ids: Ids, scenarios: Sequence[Measured], commands: Array) -> None:
+    def reset(self, ids: Ids, scenarios: Sequence[AnyScenario], commands: Array) -> None:
         """Start anew: until the first command arrives, `commands` (len(ids), drives) act."""
         self.last[ids], self.change[ids] = commands, 0.0
         self._periods[ids] = [scenario.delay for scenario in scenarios]

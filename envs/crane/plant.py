@@ -5,8 +5,6 @@ are held over a control period of several substeps, and everything that is read 
 to the new state under the inputs still held.
 """
 
-from collections.abc import Sequence
-
 import mujoco
 import numpy as np
 
@@ -14,7 +12,8 @@ from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.rig_state import State, coordinates, joint_state, points
 from ...models.rig.rig import Load, Platform, Rig
 from ...models.types import Array
-from ..common import NOT_FINITE, NOTHING, Ids, bare_model, batch_of
+from ..common import NOT_FINITE, NOTHING, Ids
+from ..simulations import Simulations, bare_model
 from .disturbances import Scenario
 from .friction_forces import DryFriction, ViscousFriction
 from .geometry import angle_joints, geometry_of, hangers, turned
@@ -31,17 +30,11 @@ SLACK = "slack"
 """Why an episode ends when a rope would have to push."""
 
 
-class Plant:
+class Plant(Simulations[CranePlan, Scenario]):
     """n simulations of a rig.
-
-    Attributes are live arrays: read them, copy them, do not keep them.
 
     Attributes
     ----------
-    ctrl
-        Inputs, (n, drives) [N, N m]; write them, then `step`.
-    drive_positions, drive_rates
-        What ideal encoders read, (n, drives).
     outputs, output_rates
         The rig's outputs as they really are, (n, outputs), and if made with `rates` theirs.
     margins
@@ -51,6 +44,8 @@ class Plant:
     reasons
         For each column of `margins`, why.
     """
+
+    stage = ACCELERATIONS
 
     def __init__(
         self,
@@ -66,12 +61,9 @@ class Plant:
         nthread: int | None = None,
     ) -> None:
         self.rig = rig
-        self.num = num
-        self.substeps = substeps
-        self.model = _model(rig, timestep, friction, rates, massless)
-        self.batch = batch_of(self.model, num, nthread)
+        model = _model(rig, timestep, friction, rates, massless)
+        super().__init__(model, num, len(rig.drives), substeps, nthread)
         self.home = np.array(self.model.key_qpos[0])
-        self.home_inputs = np.array(self.model.key_ctrl[0])
         self.geometry = geometry_of(rig, self.model, self.home)
         self._bind(rates)
         self._allocate()
@@ -83,23 +75,8 @@ class Plant:
             self._friction = DryFriction(rig, self.model, self.batch, frame_friction)
         self._viscous: ViscousFriction | None = None
         self._wind = Wind(rig, self.model, self.batch)
-        self._masses: Array | None = None
-        self._inertias: Array | None = None
         self.qpos[...] = self.home  # a first reset may be of some simulations only
         self.batch.forward()
-
-    def reset(self, ids: Ids, qpos: Array, ctrl: Array, scenarios: Sequence[Scenario]) -> None:
-        """Put simulations at rest at joints (len(ids), nq) under inputs (len(ids), drives)."""
-        self.batch.reset(ids, stage=NOTHING)
-        for sim, scenario, joints in zip(ids.tolist(), scenarios, qpos, strict=True):
-            self.qpos[sim] = self._swung(joints, scenario) if scenario.swing else joints
-            self._disturb(sim, scenario)
-        self.ctrl[ids] = ctrl
-        if self._masses is not None:
-            self.batch.set_const(ids)
-        self._wind.blow()
-        self.batch.forward(ids)
-        self._read()
 
     def step(self, ids: Ids | None = None) -> None:
         """Hold `ctrl` over one control period, in all simulations or some."""
@@ -140,8 +117,6 @@ class Plant:
     def _bind(self, rates: bool) -> None:
         """Live views of what is read and written at every step."""
         batch, model, rig, num = self.batch, self.model, self.rig, self.num
-        self.qpos, self.qvel = batch.bind("qpos"), batch.bind("qvel")
-        self.ctrl = batch.bind("ctrl")
         start = (self.qpos.ctypes.data - batch.state.ctypes.data) // batch.state.itemsize
         both = batch.state[:, start : start + 2 * model.nq]  # qvel follows qpos
         self._joint_state = both.reshape(num, 2, model.nq)
@@ -157,8 +132,6 @@ class Plant:
         num, geometry = self.num, self.geometry
         ropes, clearances = len(self.rig.ropes), len(geometry.reasons)
         joints, size = geometry.spans.shape[-1], self.model.nq
-        self.encoders = np.zeros((num, 2 * len(self.rig.drives)))
-        self.drive_positions, self.drive_rates = np.hsplit(self.encoders, 2)
         self.reasons = (SLACK,) * ropes + geometry.reasons
         rows = (np.zeros((ropes, joints)), geometry.clearances, geometry.spans.reshape(-1, joints))
         self._weights = np.ascontiguousarray(np.vstack(rows).T)
@@ -197,26 +170,24 @@ class Plant:
         """Give a simulation its masses, friction and wind."""
         self._wind.set(sim, scenario)
         loads = [self.model.body(load.name).id for load in payloads(self.rig)]
-        if self._masses is None and scenario.load_mass != 1.0:
-            self._masses = self.batch.expand("body_mass")
-            self._inertias = self.batch.expand("body_inertia") if self.rig.platforms else None
-        if self._masses is not None:
-            self._masses[sim, loads] = scenario.load_mass * self.model.body_mass[loads]
-        if self._inertias is not None:
-            self._inertias[sim, loads] = scenario.load_mass * self.model.body_inertia[loads]
+        self._scale_masses(sim, loads, scenario.load_mass, bool(self.rig.platforms))
         if self._friction is not None:
             self._friction.set(sim, scenario)
         if self._viscous is None and scenario.viscous:
             self._viscous = ViscousFriction(self.rig, self.model, self.batch)
         if self._viscous is not None:
             self._viscous.set(sim, scenario)
-        scenario.disturb(self, sim)
 
-    def _swung(self, joints: Array, scenario: Scenario) -> Array:
+    def _forget(self, ids: Ids) -> None:
+        self._wind.blow()
+
+    def _placed(self, joints: Array, scenario: Scenario) -> Array:
         """Joints with each hanging load swung about what it hangs from, its rope as long.
 
         A platform stays upright: it moves as its first corner would about what that hangs from.
         """
+        if not scenario.swing:
+            return joints
         state = State(joints[None], np.zeros_like(joints[None]))
         values, _ = coordinates(self.rig, self.model, state)
         place = {name: motion[0, 0] for name, motion in points(self.rig, *state).items()}

@@ -6,7 +6,6 @@ that the tip turns about that motor's axis.  A finger touches the object while t
 overlap.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import mujoco
@@ -17,7 +16,8 @@ from ...models.hand.holding import holding_forces
 from ...models.mjcf.hand_model import OBJECT, RECOMMENDED, finger_home, hand_spec
 from ...models.mjcf.hand_state import HandIndex, joint_positions
 from ...models.types import Array
-from ..common import NOT_FINITE, NOTHING, Ids, bare_model, batch_of
+from ..common import NOT_FINITE, Ids
+from ..simulations import Simulations, bare_model
 from .disturbances import HandScenario
 from .plan import HandPlan, Start, hand_layout
 
@@ -31,17 +31,11 @@ CONTACT_LOST = "contact lost"
 """Why it ends when one finger does not, and others do."""
 
 
-class HandPlant:
+class HandPlant(Simulations[HandPlan, HandScenario]):
     """n simulations of a hand.
-
-    Attributes are live arrays: read them, copy them, do not keep them.
 
     Attributes
     ----------
-    ctrl
-        Inputs, (n, drives) [N, N m]; write them, then `step`.
-    encoders, drive_positions, drive_rates
-        What encoders read: positions, then rates, (n, 2 drives), and both by themselves.
     outputs
         The object's position and rotation, row by row, (n, 12).
     twist
@@ -54,17 +48,16 @@ class HandPlant:
         For how long each finger has not touched, (n, fingers) [s].
     """
 
+    stage = VELOCITIES
+
     def __init__(
         self, hand: Hand, num: int, *, timestep: float, substeps: int, nthread: int | None = None
     ) -> None:
-        self.hand, self.num, self.substeps = hand, num, substeps
-        self.model = _model(hand, timestep)
+        self.hand, self.drives = hand, hand_layout(hand).drives
+        super().__init__(_model(hand, timestep), num, self.drives, substeps, nthread)
         self._period = timestep * substeps
-        self.batch = batch = batch_of(self.model, num, nthread)
-        self.qpos, self.qvel = batch.bind("qpos"), batch.bind("qvel")
         self._index = HandIndex.of(hand, self.model)
-        self.drives = drives = hand_layout(hand).drives
-        self.ctrl = batch.bind("ctrl")[:, :drives]
+        batch, drives = self.batch, self.drives
         self._lengths = batch.bind("actuator_length")
         self._speeds = batch.bind("actuator_velocity")
         self._places, self._frames = batch.bind("xpos"), batch.bind("xmat")
@@ -73,31 +66,14 @@ class HandPlant:
         self._slides = self._index.motors
         self._turns = np.setdiff1d(np.arange(drives), self._slides)
         self._friction: Array | None = None
-        self._masses: Array | None = None
-        self._inertias: Array | None = None
         self._offset = np.zeros((num, drives))
         self._true = np.zeros((num, 2 * drives))
-        self.encoders = np.zeros((num, 2 * drives))
-        self.drive_positions, self.drive_rates = np.hsplit(self.encoders, 2)
         self.outputs, self.twist = np.zeros((num, 12)), np.zeros((num, 6))
         self.normals = np.zeros((num, len(hand.fingers), 3))
         self.gaps, self.apart = np.zeros((2, num, len(hand.fingers)))
-        self.home, self.home_inputs = self._at_home(), self.model.key_ctrl[0][:drives].copy()
+        self.home = self._at_home()
         self.qpos[...] = self.home  # a first reset may be of some simulations only
         self.batch.forward(stage=VELOCITIES)
-        self._read()
-
-    def reset(self, ids: Ids, qpos: Array, ctrl: Array, scenarios: Sequence[HandScenario]) -> None:
-        """Put simulations at rest at joints (len(ids), nq) under inputs (len(ids), drives)."""
-        self.batch.reset(ids, stage=NOTHING)
-        for sim, scenario, joints in zip(ids.tolist(), scenarios, qpos, strict=True):
-            self.qpos[sim] = self._placed(joints, scenario)
-            self._disturb(sim, scenario)
-        self.ctrl[ids] = ctrl
-        if self._masses is not None:
-            self.batch.set_const(ids)
-        self._true[ids] = self.apart[ids] = 0.0
-        self.batch.forward(ids, VELOCITIES)
         self._read()
 
     def step(self, ids: Ids | None = None) -> None:
@@ -176,14 +152,10 @@ class HandPlant:
         if self._friction is not None:
             self._friction[sim] = self.model.geom_friction
             self._friction[sim, :, 0] *= scenario.friction
-        if self._masses is None and scenario.mass != 1.0:
-            self._masses = self.batch.expand("body_mass")
-            self._inertias = self.batch.expand("body_inertia")
-        if self._masses is not None and self._inertias is not None:
-            body, model = self._object, self.model
-            self._masses[sim, body] = scenario.mass * model.body_mass[body]
-            self._inertias[sim, body] = scenario.mass * model.body_inertia[body]
-        scenario.disturb(self, sim)
+        self._scale_masses(sim, self._object, scenario.mass, True)
+
+    def _forget(self, ids: Ids) -> None:
+        self._true[ids] = self.apart[ids] = 0.0
 
     def _read(self) -> None:
         """Bring every attribute but `apart` up to date."""
