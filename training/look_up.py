@@ -9,6 +9,9 @@ from typing import Any
 from ..models import CATALOGUE, HAND_CATALOGUE, Move, Rig, default_move, load, make
 from ..models.errors import OptionError, did_you_mean
 
+KINDS = ("frames", "rails", "masses", "ropes", "drives")
+"""Fields of a rig with the parts whose numbers can be changed."""
+
 
 def is_hand(name: str) -> bool:
     """Whether a hand of the catalogue is meant, by a short or mistyped name too."""
@@ -18,19 +21,32 @@ def is_hand(name: str) -> bool:
 
 
 def is_file(name: str) -> bool:
-    """Whether it is meant as a file's name."""
+    """Whether a rig's name is that of a file."""
     return name.endswith(".toml") or os.sep in name
 
 
 def look_up(name: str, changes: Mapping[str, float]) -> tuple[Rig, Move | None]:
-    """A rig with its move, from a file or the catalogue; `changes` as for `--set`."""
+    """A crane with its move, if it has one, from a file or the catalogue.
+
+    Parameters
+    ----------
+    name
+        Name of the file, or name in the catalogue.
+    changes
+        Numbers to change: those of the catalogue's function by name, of parts by part.field.
+
+    Raises
+    ------
+    FlatrigError
+        The rig, a part, or a number does not exist, or a value is wrong.
+    """
     of_parts = {key: value for key, value in changes.items() if "." in key}
     of_rig = {key: value for key, value in changes.items() if "." not in key}
     if is_file(name):
         rig, move = load(name)
         for key in of_rig:
-            parts = [part.name for part in _parts(rig)]
-            raise OptionError(f"--set {key}: in a file's rig write part.field{_known(parts)}")
+            parts = ", ".join(part.name for part in _parts(rig))
+            raise OptionError(f"--set {key}: in a file's rig write part.field; parts are {parts}")
     else:
         rig = make(name, **of_rig)
         move = default_move(rig)
@@ -39,12 +55,8 @@ def look_up(name: str, changes: Mapping[str, float]) -> tuple[Rig, Move | None]:
     return rig, move
 
 
-def _known(names: list[str]) -> str:
-    return f"; parts are {', '.join(names)}"
-
-
 def _parts(rig: Rig) -> list[Any]:
-    return [*rig.frames, *rig.rails, *rig.masses, *rig.ropes, *rig.drives]
+    return [part for kind in KINDS for part in getattr(rig, kind)]
 
 
 def _with(rig: Rig, key: str, value: float) -> Rig:
@@ -62,22 +74,22 @@ def _with(rig: Rig, key: str, value: float) -> Rig:
     }
     if name not in numbers:
         raise OptionError(f"--set {key}: no number {name!r}{did_you_mean(name, numbers)}")
-    old, kind = numbers[name], _kind_of(rig, numbers[name])
+    old = numbers[name]
+    new = replace(old, **{name: value})
     changes: dict[str, Any] = {
-        kind: tuple(
-            replace(part, **{name: value}) if part is old else part for part in getattr(rig, kind)
-        )
+        kind: tuple(new if part is old else part for part in getattr(rig, kind)) for kind in KINDS
     }
     return replace(rig, **changes)
 
 
-def _kind_of(rig: Rig, part: Any) -> str:
-    kinds = ("frames", "rails", "masses", "ropes", "drives")
-    return next(kind for kind in kinds if any(part is one for one in getattr(rig, kind)))
-
-
 def assignments(texts: tuple[str, ...]) -> dict[str, float]:
-    """`name=number` texts as a dictionary."""
+    """Texts `name=number` as a dictionary.
+
+    Raises
+    ------
+    OptionError
+        A text is no such assignment.
+    """
     values: dict[str, float] = {}
     for text in texts:
         name, equals, number = text.partition("=")

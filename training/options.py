@@ -16,7 +16,7 @@ from .commands import command
 from .rig_options import RigOptions
 
 MINUTES = 10.0
-"""To train for, if nothing else is said."""
+"""Time to train for [min], if neither time nor steps are given."""
 
 Output = Annotated[str, arg(aliases=("-o",), metavar="PATH")]
 
@@ -83,7 +83,7 @@ class Train(RigOptions):
     seed: int = 0
     """Seed of the network, the exploration and the training scenarios."""
     minutes: float | None = None
-    """Wall-clock time to train for; 10 if left out."""
+    """Wall-clock time to train for [min]; 10 if left out."""
     steps: int | None = None
     """Decisions of the policy to train for, instead of `minutes`."""
     envs: int = 64
@@ -115,15 +115,15 @@ class Bench:
     topic: Positional[Literal["speed", "feedforward"]] = "speed"
     """"feedforward": the error of every formulation and scheme against its run time instead."""
     repetitions: int = 15
-    """How often each timing is repeated, of "speed"."""
+    """Repetitions of each timing of "speed"."""
     rig: tuple[str, ...] = ()
-    """Names in the catalogue, as the options below of "feedforward"; all of it if left out."""
+    """Rigs of the catalogue for "feedforward", as all options below; every rig if left out."""
     formulation: tuple[str, ...] = ()
     """Names of formulations ("minimal extension"); all if left out."""
     scheme: tuple[str, ...] = ()
     """Names of schemes ("BDF 3") and of peers ("CasADi IDAS"); all if left out."""
     processes: int = 2
-    """That run side by side."""
+    """Number of processes that run side by side."""
     output: Output = ""
     """Folder for tables and figures, results/bench if left out; or a PNG file for one figure of
     one rig (the rotary crane)."""
@@ -166,13 +166,13 @@ class Stress:
     """Run stiff and extreme cases, each of which must end as it is told to."""
 
     rigs: int = 10_000
-    """Random rigs, each with a random move."""
+    """Number of random rigs, each with a random move."""
     seed: int = 0
-    """Of the random rigs."""
+    """Seed of the random rigs."""
     only: str = ""
     """Rows of the table to run: those with this in their name; all if left out."""
     processes: int = 2
-    """That run cases side by side."""
+    """Number of processes that run cases side by side."""
     output: Output = ""
     """Folder for the table; results/stress if left out."""
     resume: bool = False
@@ -200,11 +200,11 @@ class Render(RigOptions):
     camera: str = "overview"
     """Camera of the scene."""
     width: int = 640
-    """[pixels]"""
+    """Width of the pictures [pixels]."""
     height: int = 480
-    """[pixels]"""
+    """Height of the pictures [pixels]."""
     fps: float = 25.0
-    """Frames per second."""
+    """Frames per second [Hz]."""
 
 
 @command(".describe.film:write_scenes")
@@ -243,5 +243,5 @@ def check_number(
     """
     good = math.isfinite(value) and (value > lowest if open_end else value >= lowest)
     if not good:
-        given = f"{value:g} {unit}".strip()
-        raise OptionError(f"{name} is {given}, it must be {'>' if open_end else '>='} {lowest:g}")
+        text = f"{value:g} {unit}".strip()
+        raise OptionError(f"{name} is {text}, it must be {'>' if open_end else '>='} {lowest:g}")

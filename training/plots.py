@@ -10,7 +10,7 @@ from ..models.files import replacing
 from ..models.types import Array
 
 COLOURS = ("#8c8c8c", "#56b4e9", "#e69f00", "#0072b2", "#d55e00", "#009e73")
-"""Told apart with any colour vision (Okabe and Ito)."""
+"""Colours that any colour vision tells apart (Okabe and Ito)."""
 _STYLE: dict[str, Any] = {
     "font.size": 9.0,
     "axes.spines.top": False,
@@ -26,15 +26,15 @@ _STYLE: dict[str, Any] = {
 
 
 def figure(width: float, height: float, **options: Any) -> tuple[Any, Any]:
-    """A figure and its axes, in the style of all figures; inches."""
+    """A figure of this size [inch] and its axes, in the style of all figures."""
     import matplotlib.style
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     with matplotlib.style.context(_STYLE):
-        made = Figure(figsize=(width, height), layout="constrained")
-        FigureCanvasAgg(made)
-        return made, made.subplots(**options)
+        drawn = Figure(figsize=(width, height), layout="constrained")
+        FigureCanvasAgg(drawn)
+        return drawn, drawn.subplots(**options)
 
 
 def title(axes: Any, text: str) -> None:
@@ -47,7 +47,7 @@ def heading(figure: Any, text: str) -> None:
     figure.suptitle(text, x=0.012, ha="left", fontsize=11, fontweight="bold")
 
 
-def save(made: Any, path: str | Path) -> None:
+def save(drawn: Any, path: str | Path) -> None:
     """Write a figure as PNG.
 
     Raises
@@ -56,11 +56,11 @@ def save(made: Any, path: str | Path) -> None:
         The file cannot be written.
     """
     with replacing(path) as beside:
-        made.savefig(beside, dpi=_STYLE["savefig.dpi"], metadata={"Software": None})
+        drawn.savefig(beside, dpi=_STYLE["savefig.dpi"], metadata={"Software": None})
 
 
 def comparison(
-    heading: str,
+    headline: str,
     names: Sequence[str],
     times: Array,
     arrival: float,
@@ -72,23 +72,23 @@ def comparison(
 
     Parameters
     ----------
-    heading
-        Above the figure.
+    headline
+        Heading of the figure.
     names
-        Of the controllers.
+        Names of the controllers.
     times
-        [s], shape (T,).
+        Instants of the distances [s], shape (T,).
     arrival
         When the reference has arrived [s].
     distances
-        For each controller the load's distance from its reference [m], (T, N).
+        Each controller's distance of the load from its reference [m], shape (T, N).
     path
         PNG to write.
     what
-        Is off its reference.
+        What is to follow the reference.
     """
-    made, (left, right) = figure(10.0, 4.4, ncols=2, width_ratios=(1.55, 1.0))
-    made.suptitle(heading, x=0.012, ha="left", fontsize=11, fontweight="bold")
+    drawn, (left, right) = figure(10.0, 4.4, ncols=2, width_ratios=(1.55, 1.0))
+    heading(drawn, headline)
     colours = [COLOURS[i % len(COLOURS)] for i in range(len(names))]
     for name, colour, distance in zip(names, colours, distances, strict=True):
         low, middle, high = 1e3 * np.percentile(distance, (10, 50, 90), axis=1)
@@ -109,13 +109,13 @@ def comparison(
     spread = ": median, and 10 to 90 % of scenarios" if many else ""
     title(left, f"{what} error over time{spread}")
     _spread(right, names, colours, distances)
-    save(made, path)
+    save(drawn, path)
 
 
 def _spread(
     axes: Any, names: Sequence[str], colours: Sequence[str], distances: Sequence[Array]
 ) -> None:
-    """Each scenario's tracking error as a dot, with box and mean, one row for a controller."""
+    """Each scenario's tracking error as a dot, with quartiles, one row for a controller."""
     rng = np.random.default_rng(0)
     for row, (colour, distance) in enumerate(zip(colours, distances, strict=True)):
         values = 1e3 * np.sqrt(np.square(distance).mean(axis=0))
@@ -123,18 +123,10 @@ def _spread(
         if len(values) > 1:
             axes.plot(values, jitter, "o", color=colour, markersize=3, alpha=0.4, markeredgewidth=0)
         low, middle, high = np.percentile(values, (25, 50, 75))
-        axes.plot(
-            (low, high), (row, row), color=colour, linewidth=5, alpha=0.9, solid_capstyle="round"
-        )
-        axes.plot(
-            middle,
-            row,
-            "o",
-            color="white",
-            markeredgecolor=colour,
-            markersize=6.5,
-            markeredgewidth=1.6,
-        )
+        bar = {"linewidth": 5, "alpha": 0.9, "solid_capstyle": "round"}
+        axes.plot((low, high), (row, row), color=colour, **bar)
+        dot = {"markersize": 6.5, "markeredgecolor": colour, "markeredgewidth": 1.6}
+        axes.plot(middle, row, "o", color="white", **dot)
     axes.set_xscale("log")
     axes.set_yticks(range(len(names)), names)
     for tick, colour in zip(axes.get_yticklabels(), colours, strict=True):

@@ -48,7 +48,9 @@ class Card:
     rig: str
     """Name of the rig."""
     observation_names: tuple[str, ...]
+    """Names of the observation's entries."""
     action_names: tuple[str, ...]
+    """Names of the action's entries, one for each drive."""
     fraction: float
     """Largest residual of any drive as a share of its limit."""
     shares: tuple[float, ...]
@@ -56,9 +58,9 @@ class Card:
     rate: float
     """Control rate [Hz]."""
     sensors: str
-    """Of the environment."""
+    """Sensors of the environment, as its option."""
     time_constants: tuple[float, ...]
-    """Of the memory's low-pass filters [s]."""
+    """Time constants of the memory's low-pass filters [s]."""
     smoothing: float
     """Share of the way that the action goes to its aim in one period, in (0, 1]."""
     every: int
@@ -66,6 +68,7 @@ class Card:
     training: dict[str, Any] = field(default_factory=dict)
     """Command, seed, steps, versions, results: what one needs to make it again."""
     format: int = FORMAT
+    """Version of the files."""
 
     def __post_init__(self) -> None:
         ranges = (
@@ -105,11 +108,11 @@ class Policy:
 
     card: Card
     weights: tuple[Array, ...]
-    """Of each layer, shape (outputs, inputs)."""
+    """Weights of each layer, shape (outputs, inputs)."""
     biases: tuple[Array, ...]
-    """Of each layer, shape (outputs,)."""
+    """Biases of each layer, shape (outputs,)."""
     mean: Array
-    """Of the features in training, shape (features,)."""
+    """Means of the features in training, shape (features,)."""
     scale: Array
     """Standard deviations of the features in training, shape (features,)."""
 
@@ -158,14 +161,14 @@ class Policy:
                 f"the policy for {card.rig} acts at {card.rate:g} Hz, "
                 f"the environment at {1.0 / task.period:g} Hz"
             )
-        for what, has, needs in (
+        for kind, names, trained in (
             ("observations", task.observation_names, card.observation_names),
             ("actions", task.action_names, card.action_names),
         ):
-            if tuple(has) != tuple(needs):
-                odd = sorted(set(has) ^ set(needs)) or ["their order"]
+            if tuple(names) != tuple(trained):
+                odd = sorted(set(names) ^ set(trained)) or ["their order"]
                 raise OptionError(
-                    f"the policy for {card.rig} has other {what} than the environment: "
+                    f"the policy for {card.rig} has other {kind} than the environment: "
                     f"{', '.join(odd)}"
                 )
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.types import Array
+from ..models.types import Array, Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -15,13 +15,13 @@ class Memory:
     action: Array
     """Last action, shape (num, actions)."""
     aim: Array
-    """Where it is drawn to, shape (num, actions)."""
+    """What the action is drawn to, shape (num, actions)."""
     slow: Array
     """Filtered observations and actions, shape (num, filters, observations + actions)."""
     age: NDArray[np.int64]
     """Control periods since the episode began, shape (num,)."""
 
-    def reset(self, ids: NDArray[np.bool_] | slice = slice(None)) -> None:
+    def reset(self, ids: Mask | slice = slice(None)) -> None:
         """Forget the past of some simulations."""
         self.action[ids] = 0.0
         self.aim[ids] = 0.0
@@ -33,13 +33,19 @@ class Recall:
     """The memory's law: features from observations, smooth actions from outputs."""
 
     observations: int
+    """Number of the observation's entries."""
     actions: int
+    """Number of the action's entries."""
     period: float
     """Control period [s]."""
     time_constants: tuple[float, ...]
+    """Time constants of the low-pass filters [s]."""
     smoothing: float
+    """Share of the way that the action goes to its aim in one period."""
     every: int
+    """Control periods from one decision of the network to the next."""
     shares: tuple[float, ...]
+    """Largest action of each drive."""
 
     @property
     def features(self) -> int:

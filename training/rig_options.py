@@ -48,7 +48,7 @@ class RigOptions:
     blend: float | None = None
     """Duration of each blend of a three-phase move [s]."""
     turning: Literal["rpy", "axis", "rolling", "spinning"] | None = None
-    """Of a hand's move: how the orientation goes from start to goal."""
+    """How the orientation of a hand's object goes from start to goal."""
 
     def target(self) -> tuple[Rig, Move]:
         """The crane and its move, with the changes made.
@@ -89,7 +89,7 @@ class RigOptions:
         return hand, replace(move, **self._changes("start", "goal", "duration", "order", "turning"))
 
     def _changes(self, *names: str) -> dict[str, Any]:
-        """The options among `names` that are given, which are fields of the move."""
+        """Those of the options `names` that are set; each is a field of the move."""
         values = {name: getattr(self, name) for name in names}
         return {name: value for name, value in values.items() if value not in (None, ())}
 

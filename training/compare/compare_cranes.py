@@ -49,8 +49,8 @@ NOTES = (
 
 def environment(rig: Rig, move: Move, num: int, **more: Any) -> Any:
     """The vector environment in which controllers are trained and compared."""
-    given: dict[str, Any] = {"disturbances": Disturbances.standard(rig), "hold": HOLD} | more
-    return CraneVectorEnv(rig, num_envs=num, reference=move, **given)
+    options: dict[str, Any] = {"disturbances": Disturbances.standard(rig), "hold": HOLD} | more
+    return CraneVectorEnv(rig, num_envs=num, reference=move, **options)
 
 
 def scenarios_for(rig: Rig, number: int, seed: int = EVALUATION_SEED) -> list[Scenario]:
@@ -77,7 +77,7 @@ class Runner:
         wrap
             Puts the controller around the environment.
         policy
-            Of the action that is left free, zero without one.
+            Policy that chooses the action from above; it is zero without one.
 
         Raises
         ------
@@ -93,13 +93,13 @@ class Runner:
         action = np.zeros((num, len(task.action_names)))
         alive = np.ones(num, dtype=bool)
         rows: dict[str, list[Array]] = {"load": [], "input": [], "tension": []}
-        living = []
+        alive_rows = []
         for _ in range(self.steps):
             if policy is not None:
                 action = policy(observation, memory)
             observation, _, terminated, _, info = env.step(action)
             alive = alive & ~terminated
-            living.append(alive)
+            alive_rows.append(alive)
             for name, row in rows.items():
                 row.append(np.array(info[name]))
         times = task.period * np.arange(1, self.steps + 1)
@@ -112,7 +112,7 @@ class Runner:
             reference=path[..., places],
             inputs=np.array(rows["input"]) / task.limits,
             tensions=np.array(rows["tension"]),
-            alive=np.array(living),
+            alive=np.array(alive_rows),
             turn=between(path[..., angles], outputs[..., angles]) if angles else None,
         )
 
@@ -128,8 +128,8 @@ def carried(rig: Rig) -> tuple[list[int], list[int]]:
     """
     names = list(rig.outputs)
     part = payloads(rig)[0]
-    wanted = [f"{part.name}.{axis}" for axis in rig.axes]
-    places = [names.index(name) for name in wanted if name in names]
+    coordinates = [f"{part.name}.{axis}" for axis in rig.axes]
+    places = [names.index(name) for name in coordinates if name in names]
     angles = [names.index(name) for name in getattr(part, "angles", ()) if name in names]
     return places or list(range(len(names))), angles if len(angles) == 3 else []
 

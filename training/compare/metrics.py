@@ -9,17 +9,16 @@ from dataclasses import dataclass, fields
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from ...models.types import Array
+from ...models.types import Array, Mask
 
 SETTLED = 0.05
 """The load has settled where its distance from the goal stays below this [m]."""
 RESAMPLES = 10_000
-"""Bootstrap resamples."""
+"""Number of bootstrap resamples."""
 CONFIDENCE = 0.95
-"""Of the intervals."""
+"""Share of the resamples that lies inside an interval."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,25 +26,25 @@ class Record:
     """What happened in N scenarios, at the end of each of T control periods."""
 
     times: Array
-    """[s], shape (T,)."""
+    """Ends of the control periods [s], shape (T,)."""
     arrival: Array
     """When the reference reaches its goal [s], shape (N,)."""
     load: Array
     """Position of the load [m], shape (T, N, p), z last."""
     reference: Array
-    """Where it should be [m], shape (T, N, p)."""
+    """Where the load should be [m], shape (T, N, p)."""
     inputs: Array
-    """As shares of their limits, shape (T, N, inputs)."""
+    """Inputs as shares of their limits, shape (T, N, inputs)."""
     tensions: Array
-    """[N], shape (T, N, ropes)."""
-    alive: NDArray[np.bool_]
+    """Tensions of the ropes [N], shape (T, N, ropes)."""
+    alive: Mask
     """False from the period on in which the run ended early, shape (T, N)."""
     turn: Array | None = None
     """Angle by which a platform is turned away from its reference [rad], shape (T, N)."""
 
     @property
     def distance(self) -> Array:
-        """Of the load from its reference [m], shape (T, N); after an early end the load rests."""
+        """Distance of the load from its reference [m], (T, N); after an early end it rests."""
         last = np.maximum(self.alive.sum(axis=0) - 1, 0)
         rest = np.take_along_axis(self.load, last[None, :, None], axis=0)
         load = np.where(self.alive[..., None], self.load, rest)
@@ -84,7 +83,7 @@ NAMES = tuple(item.name for item in fields(Metrics))
 def measure(record: Record) -> Metrics:
     """The metrics of N runs."""
     distance, alive = record.distance, record.alive
-    after = record.times[:, None] >= record.arrival - 1e-9
+    after = record.times[:, None] >= record.arrival - 1e-9  # times are rounded
     whole = after & alive[-1]
     effort = np.square(record.inputs).mean(axis=2)
     lowest = np.where(alive, record.tensions.min(axis=2), np.inf).min(axis=0)
@@ -102,7 +101,7 @@ def measure(record: Record) -> Metrics:
 
 
 def _turn(record: Record) -> Array:
-    """Root mean square angle over the periods that were lived, shape (N,)."""
+    """Root mean square angle over the periods until a run ended [rad], shape (N,)."""
     if record.turn is None:
         return np.full(record.alive.shape[1], np.nan)
     squares = np.where(record.alive, np.square(record.turn), 0.0).sum(axis=0)
@@ -116,17 +115,17 @@ def between(angles: Array, others: Array) -> Array:
     return np.asarray((first.inv() * second).magnitude().reshape(np.shape(angles)[:-1]))
 
 
-def _swing(horizontal: Array, counted: NDArray[np.bool_]) -> Array:
-    """Half the diagonal of the box that holds the counted positions (T, N, q); shape (N,)."""
-    mask = counted[..., None]
+def _swing(horizontal: Array, chosen: Mask) -> Array:
+    """Half the diagonal of the box around the chosen positions (T, N, q) [m], shape (N,)."""
+    mask = chosen[..., None]
     high = np.where(mask, horizontal, -np.inf).max(axis=0)
     low = np.where(mask, horizontal, np.inf).min(axis=0)
-    travel = np.where(np.any(counted, axis=0, keepdims=True).T, high - low, np.nan)
+    travel = np.where(np.any(chosen, axis=0, keepdims=True).T, high - low, np.nan)
     return np.asarray(0.5 * np.linalg.norm(travel, axis=1))
 
 
-def _settling(times: Array, arrival: Array, distance: Array, after: NDArray[np.bool_]) -> Array:
-    """Time after arrival at which the distance was last above SETTLED, shape (N,)."""
+def _settling(times: Array, arrival: Array, distance: Array, after: Mask) -> Array:
+    """Time after arrival at which the distance was last above SETTLED [s], shape (N,)."""
     away = after & (distance > SETTLED)
     last = len(times) - 1 - away[::-1].argmax(axis=0)
     period = times[1] - times[0] if len(times) > 1 else 0.0
@@ -162,7 +161,7 @@ def paired_means(values: Array, seed: int = 0, resamples: int = RESAMPLES) -> Ar
     values
         Shape (controllers, N), scenario by scenario the same; NaN where there is none.
     seed
-        Of the resampling.
+        Seed of the resampling.
     resamples
         Number R of resamples.
 
@@ -172,10 +171,10 @@ def paired_means(values: Array, seed: int = 0, resamples: int = RESAMPLES) -> Ar
         Shape (R, controllers); each row is the means over one resample of the scenarios, the
         same for all controllers, so that differences and ratios of columns are paired.
     """
-    there = np.isfinite(values)
+    finite = np.isfinite(values)
     weights = _weights(values.shape[1], seed, resamples)
     with np.errstate(invalid="ignore"):  # a resample without any value has no mean
-        return np.asarray((weights @ np.where(there, values, 0.0).T) / (weights @ there.T))
+        return np.asarray((weights @ np.where(finite, values, 0.0).T) / (weights @ finite.T))
 
 
 @lru_cache(maxsize=4)
@@ -187,8 +186,8 @@ def _weights(count: int, seed: int, resamples: int) -> Array:
 
 def estimate(values: Array, resamples: Array) -> Estimate:
     """The mean of `values` (N,) with the percentile interval of its `resamples` (R,)."""
-    there = values[np.isfinite(values)]
-    return _interval(float(there.mean()) if there.size else np.nan, resamples)
+    finite = values[np.isfinite(values)]
+    return _interval(float(finite.mean()) if finite.size else np.nan, resamples)
 
 
 def relative_change(values: Array, base: Array, seed: int = 0) -> Estimate:
@@ -202,11 +201,11 @@ def relative_change(values: Array, base: Array, seed: int = 0) -> Estimate:
 def estimates(values: Sequence[Array], seed: int = 0) -> list[Estimate]:
     """The mean of each controller's values (N,), with intervals from one paired resampling."""
     means = paired_means(np.stack(values), seed)
-    return [estimate(one, column) for one, column in zip(values, means.T, strict=True)]
+    return [estimate(value, column) for value, column in zip(values, means.T, strict=True)]
 
 
 def _interval(value: float, resamples: Array) -> Estimate:
     tail = 50.0 * (1.0 - CONFIDENCE)
-    found = resamples[np.isfinite(resamples)]
-    low, high = np.percentile(found, (tail, 100.0 - tail)) if found.size else (np.nan, np.nan)
+    finite = resamples[np.isfinite(resamples)]
+    low, high = np.percentile(finite, (tail, 100.0 - tail)) if finite.size else (np.nan, np.nan)
     return Estimate(value, float(low), float(high))

@@ -23,10 +23,9 @@ from ...feedforward.rolling import (
 )
 from ...models import Hand, HandMove, Plate
 from ...models.errors import OptionError, PathError
-from ...models.files import replacing
 from .. import options
 from ..console import console, warning
-from ..tables import table
+from ..tables import table, write_csv
 from .summary import RANGE, add_input, facts, point, range_cells, sample_times, show_verdict
 
 MARGIN = 0.2
@@ -185,6 +184,5 @@ def _write(forces: ContactForces, path: str) -> None:
     motion, inputs = forces.motion, joint_forces(forces.motion, forces)
     names = [f"{name}.force.{axis}" for name in motion.hand.finger_names for axis in "xyz"]
     columns = (motion.table, forces.values.reshape(len(motion.times), -1), inputs.values)
-    header = ",".join((*motion.column_names, *names, *inputs.names))
-    with replacing(path) as beside:
-        np.savetxt(beside, np.hstack(columns), "%.17g", ",", header=header, comments="")
+    header = (*motion.column_names, *names, *inputs.names)
+    write_csv(path, header, np.hstack(columns), ".17g")
