@@ -13,8 +13,7 @@ from flatrig import feedforward, models
 from flatrig.models.errors import PathError
 from flatrig.training import cli
 from flatrig.training.stress import roads as stress_roads
-from flatrig.training.stress import run_cases as stress_cases_runs
-from flatrig.training.stress import solver_cases as stress_cases_solver
+from flatrig.training.stress import run_cases, solver_cases
 from flatrig.training.stress import stiff_cases as stiff
 from flatrig.training.stress import suite as stress
 from flatrig.training.stress.case import (
@@ -23,7 +22,7 @@ from flatrig.training.stress.case import (
     STOPPED,
     WRONG,
     Case,
-    Found,
+    Finding,
     Stopped,
     judge,
     worst,
@@ -50,25 +49,25 @@ def stop():
 
 
 def crash():
-    return Found(1 / 0, 1.0)
+    return Finding(1 / 0, 1.0)
 
 
 def warn():
-    return Found(float(np.array(1.0) / np.array(0.0)), 1.0)
+    return Finding(float(np.array(1.0) / np.array(0.0)), 1.0)
 
 
 def hang():
     time.sleep(60)
-    return Found(0.0, 1.0)
+    return Finding(0.0, 1.0)
 
 
 @pytest.mark.parametrize(
     ("check", "must", "ending"),
     [
-        (lambda: Found(0.5, 1.0), (CORRECT,), CORRECT),
-        (lambda: Found(2.0, 1.0), (CORRECT,), WRONG),
-        (lambda: Found(math.nan, 1.0), (CORRECT,), WRONG),
-        (lambda: Found(0.5, 1.0), (REFUSED,), WRONG),
+        (lambda: Finding(0.5, 1.0), (CORRECT,), CORRECT),
+        (lambda: Finding(2.0, 1.0), (CORRECT,), WRONG),
+        (lambda: Finding(math.nan, 1.0), (CORRECT,), WRONG),
+        (lambda: Finding(0.5, 1.0), (REFUSED,), WRONG),
         (refuse, (CORRECT, REFUSED), REFUSED),
         (refuse, (CORRECT,), WRONG),
         (stop, (STOPPED,), STOPPED),
@@ -85,7 +84,7 @@ def test_every_ending_is_named(check, must, ending):
 
 
 def test_the_worst_is_the_nearest_to_its_tolerance_or_not_a_number():
-    near, far, lost = Found(0.5, 1.0), Found(1e-3, 1.0), Found(math.nan, 1.0)
+    near, far, lost = Finding(0.5, 1.0), Finding(1e-3, 1.0), Finding(math.nan, 1.0)
     assert worst(far, near) is near
     assert worst(far, lost, near) is lost
 
@@ -136,13 +135,13 @@ def test_energy_is_the_closed_form():
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
 @pytest.mark.parametrize("name", ["navy_crane_3d", "rotary_crane"])
 def test_feedforward_does_not_depend_on_the_unit_of_length(name, size):
-    found = stress_cases_solver.resized_crane(name, size)
+    found = solver_cases.resized_crane(name, size)
     assert found.share <= 1
 
 
 @pytest.mark.parametrize(("share", "ending"), [(0.999, CORRECT), (1.001, REFUSED)])
 def test_free_fall_is_the_limit(share, ending):
-    check = partial(stress_cases_solver.drop, share, 1.0)
+    check = partial(solver_cases.drop, share, 1.0)
     assert judge(Case("", "", check, (ending,))).ending == ending
 
 
@@ -161,12 +160,12 @@ def test_the_step_limit_of_a_stiff_rope_is_the_theoretical_one(integrator):
     [
         partial(stiff.pulley, "navy_crane_3d", 1e-3),
         partial(stiff.elastic_move, 1e6),
-        partial(stress_cases_runs.linear_swing, 4.0, 0.5),
-        partial(stress_cases_runs.period, 120.0),
-        partial(stress_cases_runs.let_go, 120.0),
-        partial(stress_cases_runs.bounce, 0.1, 1e6),
-        partial(stress_cases_runs.caught, 0.1),
-        partial(stress_cases_runs.spike, "cantilever_crane", 0.01, 0),
+        partial(run_cases.linear_swing, 4.0, 0.5),
+        partial(run_cases.period, 120.0),
+        partial(run_cases.let_go, 120.0),
+        partial(run_cases.bounce, 0.1, 1e6),
+        partial(run_cases.caught, 0.1),
+        partial(run_cases.spike, "cantilever_crane", 0.01, 0),
     ],
     ids=lambda check: check.func.__name__,
 )
@@ -181,7 +180,7 @@ def test_the_command_counts_keeps_and_tells(monkeypatch, capsys, tmp_path):
 
     def found(error):
         ran.append(error)
-        return Found(error, 1.0, "guess", 0.1, 0.2)
+        return Finding(error, 1.0, "guess", 0.1, 0.2)
 
     some = [
         Case("good", "one", partial(found, 0.5)),

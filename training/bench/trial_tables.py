@@ -14,8 +14,8 @@ from ...feedforward import Motion, dae, from_move, solve
 from ...models import default_move, make
 from ..console import warning
 from ..tables import table
+from ..watchdog import quiet
 from .trials import CASES, EXACT, Run, callable_of, errors
-from .watchdog import quiet
 
 GOAL, EXACT_GOAL, FASTER = 1e-6, 1e-10, 100.0
 """The exact solver is to reach `EXACT_GOAL` so much faster than time stepping reaches `GOAL`."""

@@ -22,8 +22,8 @@ from ...feedforward import Motion, Reference, dae, from_move, solve
 from ...models import CATALOGUE, Move, Rig, default_move, make
 from ...models.rig.moves import MASSLESS_MOVES
 from ...models.types import Array
+from ..watchdog import limited, quiet
 from .peers import PEERS, Peer, PeerError, Problem
-from .watchdog import Stopped, limited, quiet
 
 ORDER, STRETCH = 10, 1.5
 COUNTS = (80, 160, 320, 640, 1280)
@@ -259,7 +259,7 @@ def _own(trial: Trial) -> Run:
     try:
         with limited(STOPPED):
             found = integrate(trial)
-    except Stopped:
+    except TimeoutError:
         reason = f"stopped after {STOPPED:g} s"
         return Run(
             *trial, index, 0, time.perf_counter() - begin, input_order=theory.inputs,

@@ -1,11 +1,11 @@
 """What a stressed case is, how it may end, and who says so.
 
-    case = Case("free fall", "at 0.9 g", partial(drop, 0.9), must=(CORRECT,))
-    outcome = judge(case)              # outcome.ending, .error, .tolerance, .reason
+    stressed = case("free fall", "at 0.9 g", drop, 0.9, must=(CORRECT,))
+    outcome = judge(stressed)          # outcome.ending, .error, .tolerance, .reason
 
-A case is a function of nothing that returns what it found.  It ends
+A case is a function that returns a finding.  It ends
 
-- correct: what was found lies within its tolerance of what a second road says,
+- correct: the finding lies within its tolerance of what a second road says,
 - refused: a `FlatrigError` says why, before anything is computed wrongly,
 - stopped: a run was ended, and a reason is named,
 - wrong: none of these, or another of them than the case must end in.  A number that is not finite
@@ -13,19 +13,20 @@ A case is a function of nothing that returns what it found.  It ends
 """
 
 import math
-import signal
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 from ...models.errors import FlatrigError
+from ..watchdog import limited
 
 CORRECT, REFUSED, STOPPED, WRONG = "correct", "refused", "stopped", "wrong"
 ENDINGS = (CORRECT, REFUSED, STOPPED, WRONG)
 EITHER: tuple[str, ...] = (CORRECT, REFUSED)
 PATIENCE = 300.0
-"""Seconds after which a case counts as one that does not end."""
+"""Time after which a case counts as one that does not end [s]."""
 
 
 class Stopped(Exception):
@@ -33,18 +34,19 @@ class Stopped(Exception):
 
 
 @dataclass(frozen=True)
-class Found:
-    """What a case found."""
+class Finding:
+    """What a case comes to: an error, and how large it may be."""
 
     error: float
     """Distance from what the second road says, in the road's own measure."""
     tolerance: float
+    """Largest error that is correct, in the same measure."""
     road: str = ""
-    """What the error is of."""
+    """Name of the quantity that the error is of."""
     limit: float | None = None
-    """Largest stable time step [s]."""
+    """Largest stable time step in MuJoCo [s]."""
     theory: float | None = None
-    """What that should be [s]."""
+    """Largest stable time step in theory [s]."""
 
     @property
     def share(self) -> float:
@@ -57,11 +59,24 @@ class Case:
     """Something extreme, and how it must end."""
 
     row: str
-    """Of the table; many cases share one."""
+    """Row of the table; many cases share one."""
     label: str
-    check: Callable[[], Found]
+    """Name of the case in its row."""
+    check: Callable[[], Finding]
+    """Function that computes it."""
     must: tuple[str, ...] = (CORRECT,)
     """How it may end."""
+
+
+def case(
+    row: str,
+    label: str,
+    check: Callable[..., Finding],
+    *arguments: Any,
+    must: tuple[str, ...] = (CORRECT,),
+) -> Case:
+    """The case of a function with arguments."""
+    return Case(row, label, partial(check, *arguments), must)
 
 
 @dataclass(frozen=True)
@@ -69,67 +84,49 @@ class Outcome:
     """How a case ended."""
 
     row: str
+    """Row of the table."""
     label: str
+    """Name of the case in its row."""
     ending: str
+    """One of `ENDINGS`."""
     reason: str = ""
+    """Why it was refused or stopped, or what its error is of."""
     error: float | None = None
+    """Error of its finding, as the fields below; None if it was refused or stopped."""
     tolerance: float | None = None
+    """Largest error that is correct."""
     limit: float | None = None
+    """Largest stable time step in MuJoCo [s]."""
     theory: float | None = None
+    """Largest stable time step in theory [s]."""
 
 
-def worst(*found: Found) -> Found:
+def worst(*findings: Finding) -> Finding:
     """The one that is nearest to its tolerance or farthest beyond; the first not finite."""
-    return max(found, key=lambda one: one.share if math.isfinite(one.share) else math.inf)
+    return max(findings, key=lambda item: item.share if math.isfinite(item.share) else math.inf)
 
 
-def judge(case: Case, patience: float = PATIENCE) -> Outcome:
+def judge(stressed: Case, patience: float = PATIENCE) -> Outcome:
     """Run a case and say how it ended."""
+    ended = partial(Outcome, stressed.row, stressed.label)
     try:
-        with warnings.catch_warnings(), _alarm(patience):
+        with warnings.catch_warnings(), limited(patience):
             warnings.simplefilter("error")
-            found = case.check()
+            finding = stressed.check()
     except Stopped as stop:
-        outcome = Outcome(case.row, case.label, STOPPED, str(stop))
+        outcome = ended(STOPPED, str(stop))
     except FlatrigError as error:
-        outcome = Outcome(case.row, case.label, REFUSED, f"{type(error).__name__}: {error}")
+        outcome = ended(REFUSED, f"{type(error).__name__}: {error}")
     except Exception as error:  # whatever it is, it was not meant to be
-        return Outcome(case.row, case.label, WRONG, f"{type(error).__name__}: {error}")
+        return ended(WRONG, f"{type(error).__name__}: {error}")
     else:
-        good = math.isfinite(found.error) and found.error <= found.tolerance
-        outcome = Outcome(
-            case.row,
-            case.label,
-            CORRECT if good else WRONG,
-            found.road,
-            found.error,
-            found.tolerance,
-            found.limit,
-            found.theory,
-        )
-    if outcome.ending in case.must or outcome.ending == WRONG:
+        good = math.isfinite(finding.error) and finding.error <= finding.tolerance
+        outcome = ended(
+            CORRECT if good else WRONG, finding.road,
+            finding.error, finding.tolerance, finding.limit, finding.theory,
+        )  # fmt: skip
+    if outcome.ending in stressed.must or outcome.ending == WRONG:
         return outcome
-    expected = " or ".join(case.must)
-    return Outcome(
-        case.row, case.label, WRONG, f"{outcome.ending}, not {expected}: {outcome.reason}",
-        outcome.error, outcome.tolerance, outcome.limit, outcome.theory,
-    )  # fmt: skip
-
-
-@contextmanager
-def _alarm(seconds: float) -> Iterator[None]:
-    """Raise `TimeoutError` in the block after so many seconds, where the system has alarms."""
-    if not hasattr(signal, "setitimer"):
-        yield
-        return
-
-    def ring(*_: object) -> None:
-        raise TimeoutError(f"still running after {seconds:g} s")
-
-    before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+    expected = " or ".join(stressed.must)
+    reason = f"{outcome.ending}, not {expected}: {outcome.reason}"
+    return replace(outcome, ending=WRONG, reason=reason)

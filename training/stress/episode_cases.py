@@ -7,7 +7,6 @@ time steps beyond the stability limit, and actions that are not numbers.
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,11 +14,12 @@ import numpy as np
 from ... import models
 from ...envs import CraneEnv, Scenario
 from ...models.types import Array
-from .case import REFUSED, STOPPED, Case, Found, Stopped
+from .case import REFUSED, STOPPED, Case, Finding, Stopped, case
 
 Policy = Callable[[np.random.Generator, int], Array]
 
 SPIKE = 100.0
+"""Times its limit that a drive can give."""
 STEPS = 5
 """Control periods that a spike lasts."""
 
@@ -32,27 +32,27 @@ PLANTS = {
     "winches stuck": Scenario(winch_friction=1e6),
     "viscous winches": Scenario(winch_viscous=1e9),
 }
-"""By what is absurd about them."""
+"""Plants by what is absurd about them."""
 
 
 def cases() -> Iterator[Case]:
-    """All of them."""
+    """Cases of episodes."""
     either = (REFUSED, STOPPED)
     for name in models.CATALOGUE:
         for plant in PLANTS:
             row = "swings over 90 degrees in environments"
             row = row if "swing" in plant else "environments, absurd plants"
-            yield Case(row, f"{name}, {plant}", partial(in_plant, name, plant), either)
-        yield Case("environments, drives of 100 limits", name, partial(spiked, name), either)
+            yield case(row, f"{name}, {plant}", in_plant, name, plant, must=either)
+        yield case("environments, drives of 100 limits", name, spiked, name, must=either)
         for rate, step in ((50.0, 0.02), (2.0, 0.5), (0.1, 10.0)):
-            yield Case("environments, steps of 0.02 to 10 s", f"{name}, {step:g} s",
-                       partial(coarse, name, rate, step), either)  # fmt: skip
+            row, label = "environments, steps of 0.02 to 10 s", f"{name}, {step:g} s"
+            yield case(row, label, coarse, name, rate, step, must=either)
         for value in (math.nan, math.inf, 1e300):
-            yield Case("environments, absurd actions", f"{name}, {value:g}",
-                       partial(absurd, name, value), either)  # fmt: skip
+            row, label = "environments, absurd actions", f"{name}, {value:g}"
+            yield case(row, label, absurd, name, value, must=either)
 
 
-def episode(env: CraneEnv, policy: Policy, **options: Any) -> Found:
+def episode(env: CraneEnv, policy: Policy, **options: Any) -> Finding:
     """Run one to its end.
 
     Raises
@@ -68,28 +68,28 @@ def episode(env: CraneEnv, policy: Policy, **options: Any) -> Found:
         observation, reward, terminated, truncated, info = env.step(policy(draw, step))
         numbers += [observation, reward, info["load"], info["tension"], info["input"]]
         if not all(np.isfinite(number).all() for number in numbers):
-            return Found(math.nan, 0.0, "a number that is none")
+            return Finding(math.nan, 0.0, "a number that is none")
         if not 0.0 <= reward <= 1.0 or (np.abs(info["input"]) > limits).any():
-            return Found(math.inf, 1.0, f"reward {reward}, input {info['input']}")
+            return Finding(math.inf, 1.0, f"reward {reward}, input {info['input']}")
         if terminated or truncated:
             if not info["reason"]:
-                return Found(math.inf, 1.0, "an end without a reason")
+                return Finding(math.inf, 1.0, "an end without a reason")
             raise Stopped(info["reason"])
-    return Found(math.inf, 1.0, "an episode without an end")
+    return Finding(math.inf, 1.0, "an episode without an end")
 
 
 def _random(size: int) -> Policy:
     return lambda draw, _: draw.uniform(-1.0, 1.0, size)
 
 
-def in_plant(name: str, plant: str) -> Found:
+def in_plant(name: str, plant: str) -> Finding:
     """Random inputs in a plant nothing like the rig."""
     friction = {"winch_friction": (0.0, 1.0)}
     env = CraneEnv(models.make(name), disturbances=friction if "stuck" in plant else None)
     return episode(env, _random(len(env.task.limits)), scenario=PLANTS[plant])
 
 
-def spiked(name: str) -> Found:
+def spiked(name: str) -> Finding:
     """Drives that can give a hundred times as much, and do for a while."""
     rig = models.make(name)
     drives = tuple(replace(drive, limit=SPIKE * drive.limit) for drive in rig.drives)
@@ -101,13 +101,13 @@ def spiked(name: str) -> Found:
     return episode(env, policy)
 
 
-def coarse(name: str, rate: float, step: float) -> Found:
+def coarse(name: str, rate: float, step: float) -> Finding:
     """Large time steps."""
     env = CraneEnv(models.make(name), rate=rate, timestep=step)
     return episode(env, _random(len(env.task.limits)))
 
 
-def absurd(name: str, value: float) -> Found:
+def absurd(name: str, value: float) -> Finding:
     """Actions that are no numbers, or huge: refused or clipped."""
     env = CraneEnv(models.make(name))
     return episode(env, lambda _, step: np.full(len(env.task.limits), value if step > 2 else 0.0))

@@ -5,13 +5,12 @@ follow any path that stays below it and never falls freely, unless its foot meet
 """
 
 from collections.abc import Iterator
-from functools import partial
 
 import numpy as np
 
 from ...feedforward import Reference, from_move
 from ...models import PathError, Rail, Rig, SmoothnessError
-from .case import EITHER, Case, Found
+from .case import EITHER, Case, Finding, case
 from .random_moves import random_move
 from .random_rigs import random_rig
 from .solver_cases import followed
@@ -31,11 +30,11 @@ ENDLESS = Rail("endless", (1.0, 0.0, 0.0))
 def cases(rigs: int, seed: int) -> Iterator[Case]:
     """So many rigs, each with a move of its own."""
     for number in range(rigs):
-        check = partial(random_case, seed, number)
-        yield Case("random rigs, random moves", f"{number}", check, EITHER)
+        row = "random rigs, random moves"
+        yield case(row, f"{number}", random_case, seed, number, must=EITHER)
 
 
-def random_case(seed: int, number: int) -> Found:
+def random_case(seed: int, number: int) -> Finding:
     """Draw a rig and a move, and follow it."""
     rng = np.random.default_rng([seed, number])
     rig = random_rig(rng)
@@ -46,7 +45,7 @@ def random_case(seed: int, number: int) -> Found:
         raise
     except PathError as error:
         if can_follow(rig, reference):
-            return Found(np.inf, 0.0, f"refused what can be followed: {error}")
+            return Finding(np.inf, 0.0, f"refused what can be followed: {error}")
         raise
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from ...models import Move, Rig
 
 WILD = 1 / 3
-"""Share of the moves."""
+"""Share of the moves that are wild."""
 
 
 def random_move(rig: Rig, rng: np.random.Generator) -> Move:
@@ -50,7 +50,7 @@ def _home_output(rig: Rig, name: str) -> float:
     for part in rig.combinations:
         if part.name == name:
             pairs = zip(part.factors, part.of, strict=True)
-            return sum(factor * _home_output(rig, one) for factor, one in pairs)
+            return sum(factor * _home_output(rig, term) for factor, term in pairs)
     owner, _, letter = name.partition(".")
     if letter in ("alpha", "beta", "gamma"):
         return 0.0

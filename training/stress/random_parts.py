@@ -8,7 +8,7 @@ import numpy as np
 from ...models import Drive, Frame, Rope, Sheave
 
 LIMIT = 1e6
-"""Of every drive [N, N m]; nothing depends on it."""
+"""Limit of every drive [N, N m]; nothing depends on it."""
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,7 @@ class Dice:
 
     rng: np.random.Generator
     size: float
-    """[m]"""
+    """Length of the crane [m]."""
 
     def decades(self, low: float, high: float) -> float:
         """A number whose logarithm is spread evenly."""
@@ -32,7 +32,7 @@ class Dice:
         return bool(self.rng.random() < share)
 
     def mass(self) -> float:
-        """[kg]"""
+        """A mass [kg]."""
         return self.decades(1e-2, 1e4)
 
     def rope(self, name: str, *path: str) -> Rope:
@@ -48,7 +48,7 @@ class Dice:
 
 
 def drives(*parts: str) -> tuple[Drive, ...]:
-    """One on each of these parts."""
+    """A drive on each of these parts."""
     return tuple(Drive(f"{part}_drive", part, LIMIT) for part in parts)
 
 

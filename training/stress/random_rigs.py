@@ -38,7 +38,7 @@ def trolley_crane(dice: Dice) -> Rig:
         rails=(Rail("rail", direction, frame=owner),),
         masses=(Trolley("trolley", dice.mass(), "rail"), Load("load", dice.mass())),
         ropes=(dice.rope("hoist", "trolley", "load"),),
-        drives=drives(*(one.name for one in frames), "trolley", "hoist"),
+        drives=drives(*(part.name for part in frames), "trolley", "hoist"),
         outputs=("load.x", "load.y", "load.z") if frames else ("load.x", "load.z"),
         home={"trolley": out, "load": hung},
     )
@@ -63,7 +63,7 @@ def roped_crane(dice: Dice) -> Rig:
             dice.rope("pull", "outer", "trolley"),
             dice.rope("hoist", "inner", "trolley", "load"),
         ),
-        drives=drives("pull", "hoist", *(one.name for one in frames)),
+        drives=drives("pull", "hoist", *(part.name for part in frames)),
         outputs=("load.x", "load.y", "load.z") if frames else ("load.x", "load.z"),
         home={"trolley": out, "load": (out, 0.0, -down)},
     )
@@ -113,7 +113,7 @@ def pulley_crane(dice: Dice) -> Rig:
             dice.rope("hoist", "middle", "pulley", "load"),
             dice.rope("suspension", "high", "pulley"),
         ),
-        drives=drives("tagline", "hoist", "suspension", *(one.name for one in frames)),
+        drives=drives("tagline", "hoist", "suspension", *(part.name for part in frames)),
         outputs=("load.x", "load.y", "load.z", "pulley.z")
         if turning
         else ("load.x", "load.z", "pulley.z"),
@@ -250,4 +250,4 @@ KINDS: tuple[Callable[[Dice], Rig], ...] = (
     tandem_crane,
     platform_crane,
 )
-"""One function for each."""
+"""Functions that draw a rig, one for each kind."""

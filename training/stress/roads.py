@@ -24,7 +24,7 @@ from ...models.rig.chain import joint_names
 from ...models.rig.lengths import rope_lengths
 from ...models.types import Array
 
-AT = 12
+INSTANTS = 12
 """Instants at which accelerations are compared."""
 FINER, DEPTH = 32, 5
 """A step in which a jump is suspected is divided so often, up to so many times over."""
@@ -47,12 +47,12 @@ def from_equations(motion: Motion) -> float:
         {name: table[few, motion.column(name)] for name in motion.rig.coordinate_names}
         for table in (motion.positions, motion.velocities)
     )
-    found, _ = equations.accelerations(*redundant(equations, values, rates), motion.inputs[few])
+    second, _ = equations.accelerations(*redundant(equations, values, rates), motion.inputs[few])
     errors = []
     for i, name in enumerate(equations.names):
         if name in motion.rig.coordinate_names:
             expected = motion.accelerations[few, motion.column(name)]
-            errors.append(np.abs(found[:, i] - expected))
+            errors.append(np.abs(second[:, i] - expected))
     return _relative(motion, np.max(errors, axis=0), few)
 
 
@@ -77,18 +77,18 @@ def from_mujoco(motion: Motion) -> float:
     state = mjcf.joint_state(rig, model, values, rates)
     turn = accelerations(model, *state, motion.inputs[few])
     world = points(rig, *state, turn)
-    found = {f"{name}.length": length[2] for name, length in rope_lengths(rig, world).items()}
+    second = {f"{name}.length": length[2] for name, length in rope_lengths(rig, world).items()}
     bodies: tuple[Load | Platform, ...] = (*rig.loads, *rig.platforms)
     for load in bodies:
-        found |= {
+        second |= {
             f"{load.name}.{axis}": world[load.name][2][:, "xyz".index(axis)] for axis in rig.axes
         }
     own = [frame.coordinate for frame in rig.frames]
     own += [angle for platform in rig.platforms for angle in platform.angles]
-    found |= {name: turn[:, joint_names(rig).index(name)] for name in own}
+    second |= {name: turn[:, joint_names(rig).index(name)] for name in own}
     errors = [
         np.abs(column - motion.accelerations[few, motion.column(name)])
-        for name, column in found.items()
+        for name, column in second.items()
     ]
     return _relative(motion, np.max(errors, axis=0), few)
 
@@ -101,14 +101,14 @@ def jump(rig: Rig, reference: Reference, motion: Motion) -> float:
     """
     size = np.maximum(np.ptp(motion.positions, axis=0), FLAT * np.abs(motion.positions).max())
     for _ in range(DEPTH):
-        left = _unexplained(motion) / size
-        worst = int(left.max(axis=1).argmax())
-        if left[worst].max() <= SMOOTH:
+        jumps = _unexplained(motion) / size
+        worst = int(jumps.max(axis=1).argmax())
+        if jumps[worst].max() <= SMOOTH:
             break
         begin, end = motion.times[worst : worst + 2].tolist()
         times = np.linspace(begin, end, FINER + 1)
         motion = solve(rig, reference, times)
-    return float(left.max())
+    return float(jumps.max())
 
 
 def _unexplained(motion: Motion) -> Array:
@@ -123,8 +123,8 @@ def energy(rig: Rig, values: Mapping[str, ArrayLike], rates: Mapping[str, ArrayL
     """Kinetic and potential energy, (N,) [J], from coordinates and their rates, each (N,)."""
     equations = equations_of(rig)
     arrays = [
-        {name: np.asarray(part, dtype=float) for name, part in given.items()}
-        for given in (values, rates)
+        {name: np.asarray(column, dtype=float) for name, column in columns.items()}
+        for columns in (values, rates)
     ]
     place, rate = redundant(equations, *arrays)
     kinetic = 0.5 * np.einsum("...i,ij,...j->...", rate, equations.mass, rate)
@@ -154,7 +154,7 @@ def _shortest(motion: Motion, rope: Rope) -> float:
 
 
 def _few(motion: Motion) -> Array:
-    return np.unique(np.linspace(0, len(motion.times) - 1, AT).astype(int))
+    return np.unique(np.linspace(0, len(motion.times) - 1, INSTANTS).astype(int))
 
 
 def _relative(motion: Motion, error: Array, few: Array) -> float:

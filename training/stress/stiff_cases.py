@@ -10,7 +10,6 @@ the fastest mode must not grow.
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from typing import Any, NamedTuple
 
 import mujoco
@@ -24,8 +23,8 @@ from ...models.mjcf.ropes import Ropes
 from ...models.mjcf.simulate import accelerations, run
 from ...models.types import Array
 from ..simulate.open_loop import open_loop
-from .case import STOPPED, Case, Found, Stopped, worst
-from .solver_cases import TROLLEYS, resized
+from .case import STOPPED, Case, Finding, Stopped, case, worst
+from .solver_cases import resized, trolley_cranes
 
 LIMITS = {"RK4": math.sqrt(8.0), "EULER": 2.0}
 """Largest stable step times angular frequency, on the imaginary axis."""
@@ -36,46 +35,47 @@ NEAR = 0.01
 SWING, GROWN, STEPS = 1e-9, 100.0, 1500
 """Initial swing over the crane's size, how much of it is growth, and steps to wait for it."""
 BISECTIONS = 9
+"""Halvings of the interval for the step, a factor 4 wide: they leave 0.3 % of it."""
 DIFFERENCE = 1e-6
-"""Of coordinates, over the crane's size, to linearise by."""
+"""Difference of coordinates, over the crane's size, to linearise by: central differences err by
+its square and by rounding over it."""
 
 
 def cases() -> Iterator[Case]:
-    """All of them."""
+    """Cases of time steps."""
     for exponent in range(3, 10):
         row, stiffness = f"rope of 1e{exponent} N/m", 10.0**exponent
         for integrator in LIMITS:
-            yield Case(row, f"step limit, {integrator}", partial(rope, stiffness, integrator))
-        yield Case(row, "open loop", partial(elastic_move, stiffness))
-        beyond = partial(elastic_move, stiffness, BEYOND)
-        yield Case(row, "open loop beyond the limit", beyond, (STOPPED,))
+            yield case(row, f"step limit, {integrator}", rope, stiffness, integrator)
+        yield case(row, "open loop", elastic_move, stiffness)
+        label = "open loop beyond the limit"
+        yield case(row, label, elastic_move, stiffness, BEYOND, must=(STOPPED,))
     for exponent in range(0, -7, -1):
         row, mass = f"pulley of 1e{exponent} kg", 10.0**exponent
         for name in ("navy_crane_2d", "navy_crane_3d"):
-            yield Case(row, f"step limit, {name}", partial(pulley, name, mass))
+            yield case(row, f"step limit, {name}", pulley, name, mass)
         if exponent < 0:
-            yield Case(row, "open loop, navy_crane_2d", partial(light_move, mass))
-            beyond = partial(light_move, mass, BEYOND)
-            yield Case(row, "open loop beyond the limit", beyond, (STOPPED,))
+            yield case(row, "open loop, navy_crane_2d", light_move, mass)
+            label = "open loop beyond the limit"
+            yield case(row, label, light_move, mass, BEYOND, must=(STOPPED,))
     for exponent in (-3, -1, 1, 3):
-        check = partial(rigid, "overhead_crane", 10.0**exponent, 10.0)
-        yield Case("swing on 1e-3 to 1e3 m", f"step limit, rope 1e{exponent} m", check)
+        row, label = "swing on 1e-3 to 1e3 m", f"step limit, rope 1e{exponent} m"
+        yield case(row, label, rigid, "overhead_crane", 10.0**exponent, 10.0)
     for exponent in (-3, -1, 1, 3, 4):
-        for name in TROLLEYS:
-            check = partial(rigid, name, None, 10.0**exponent)
-            label = f"step limit, {name} at 1e{exponent}"
-            yield Case("swing at mass ratios 1e-3 to 1e4", label, check)
+        for name in trolley_cranes():
+            row, label = "swing at mass ratios 1e-3 to 1e4", f"step limit, {name} at 1e{exponent}"
+            yield case(row, label, rigid, name, None, 10.0**exponent)
 
 
 class Swing(NamedTuple):
     """The fastest swing of a model about a rest."""
 
     frequency: float
-    """Angular, of the linearised model [rad/s]."""
+    """Angular frequency of the linearised model [rad/s]."""
     mode: Array
-    """Joint positions, the largest one 1, shape (nq,)."""
+    """Joint positions, scaled to a largest one of 1, shape (nq,)."""
     measure: Array
-    """What gives the mode's amplitude from joint positions, shape (nq,)."""
+    """Row that gives the mode's amplitude from joint positions, shape (nq,)."""
 
 
 def fastest(model: mujoco.MjModel, rest: Array, ctrl: Array, size: float) -> Swing:
@@ -83,14 +83,13 @@ def fastest(model: mujoco.MjModel, rest: Array, ctrl: Array, size: float) -> Swi
     shifts = DIFFERENCE * size * np.eye(model.nv)
     states = np.concatenate((rest + shifts, rest - shifts))
     inputs = np.broadcast_to(ctrl, (len(states), model.nu))
-    found = accelerations(model, states, np.zeros_like(states), inputs)
-    ahead, behind = found[: model.nv], found[model.nv :]
+    ahead, behind = np.split(accelerations(model, states, np.zeros_like(states), inputs), 2)
     matrix = (ahead - behind).T / (2.0 * DIFFERENCE * size)
     squares, right = np.linalg.eig(matrix)
     k = int(np.argmin(squares.real))
     mode = np.real(right[:, k])
-    kept, left = np.linalg.eig(matrix.T)
-    measure = np.real(left[:, int(np.argmin(kept.real))])
+    values, left = np.linalg.eig(matrix.T)
+    measure = np.real(left[:, int(np.argmin(values.real))])
     mode = mode / np.abs(mode).max()
     return Swing(float(np.sqrt(-squares[k].real)), mode, measure / (measure @ mode))
 
@@ -123,15 +122,16 @@ def _stable(
     return bool(amplitude.max() < GROWN * SWING * size)
 
 
-def _limit(model: mujoco.MjModel, theory: float, at: Motion, size: float, integrator: str) -> Found:
-    """The limit found against the one in theory, given the fastest angular frequency in theory."""
-    start = dict(zip(at.coordinate_names, at.positions[0], strict=True))
-    rest = mjcf.joint_state(at.rig, model, start, tensions=at.tensions[0]).qpos
-    swing = fastest(model, rest, at.inputs[0], size)
-    found = largest_step(model, swing, rest, at.inputs[0], size)
-    expected = LIMITS[integrator] / theory
-    error = abs(found / expected - 1.0)
-    return Found(error, NEAR, "step limit", found, expected)
+def _limit(
+    model: mujoco.MjModel, frequency: float, rest: Motion, size: float, integrator: str = "RK4"
+) -> Finding:
+    """The limit in MuJoCo against that in theory, where the fastest frequency is [rad/s]."""
+    start = dict(zip(rest.coordinate_names, rest.positions[0], strict=True))
+    qpos = mjcf.joint_state(rest.rig, model, start, tensions=rest.tensions[0]).qpos
+    swing = fastest(model, qpos, rest.inputs[0], size)
+    limit = largest_step(model, swing, qpos, rest.inputs[0], size)
+    theory = LIMITS[integrator] / frequency
+    return Finding(abs(limit / theory - 1.0), NEAR, "step limit", limit, theory)
 
 
 def at_rest(rig: Rig) -> Motion:
@@ -139,7 +139,7 @@ def at_rest(rig: Rig) -> Motion:
     return solve(rig, hold(models.default_move(rig).goal), [0.0])
 
 
-def rope(stiffness: float, integrator: str) -> Found:
+def rope(stiffness: float, integrator: str) -> Finding:
     """An elastic rope without damping, on the overhead crane."""
     rig = models.overhead_crane()
     ropes = Ropes("elastic", stiffness=stiffness, damping=0.0)
@@ -149,20 +149,20 @@ def rope(stiffness: float, integrator: str) -> Found:
     return _limit(model, math.sqrt(stiffness * mobility), home, 1.0, integrator)
 
 
-def pulley(name: str, mass: float) -> Found:
+def pulley(name: str, mass: float) -> Finding:
     """A light free pulley without weight, where the default move ends."""
     rig = models.make(name, pulley_mass=0.0)
     model = mjcf.compile(rig, visuals=False, massless=mass)
-    masses = tuple(replace(one, mass=mass) if one.mass == 0 else one for one in rig.masses)
+    masses = tuple(replace(part, mass=part.mass or mass) for part in rig.masses)
     equations = equations_of(replace(rig, masses=masses))
     force = equations.force.copy()
     force[equations.names.index("pulley.z")] = 0.0
     rest = at_rest(rig)
     theory = frequency(replace(equations, force=force), rest, 10.0)
-    return _limit(model, theory, rest, 10.0, "RK4")
+    return _limit(model, theory, rest, 10.0)
 
 
-def rigid(name: str, length: float | None, ratio: float) -> Found:
+def rigid(name: str, length: float | None, ratio: float) -> Finding:
     """The pendulum on rigid ropes, its load so many times as heavy as its trolley."""
     rig = models.make(name, load_mass=10.0 * ratio)
     size = math.dist(*(rig.home_point(point) for point in rig.ropes[-1].path[-2:]))
@@ -171,11 +171,11 @@ def rigid(name: str, length: float | None, ratio: float) -> Found:
     model = mjcf.compile(rig, visuals=False)
     home = solve(rig, hold(rig.home_point("load")[:: 4 - rig.dimensions]), [0.0])
     theory = frequency(equations_of(rig), home, size)
-    found = _limit(model, theory, home, size, "RK4")
+    limit = _limit(model, theory, home, size)
     if name != "overhead_crane":
-        return found
+        return limit
     closed = math.sqrt(rig.gravity / size * (1.0 + ratio))
-    return worst(found, Found(abs(theory / closed - 1.0), 1e-6, "closed form of the pendulum"))
+    return worst(limit, Finding(abs(theory / closed - 1.0), 1e-6, "closed form of the pendulum"))
 
 
 def frequency(equations: Equations, rest: Motion, size: float) -> float:
@@ -189,15 +189,15 @@ def frequency(equations: Equations, rest: Motion, size: float) -> float:
     rates = {name: np.zeros(len(table)) for name in names}
     state, rate = redundant(equations, values, rates)
     inputs = np.tile(rest.inputs[0], (len(table), 1))
-    found, _ = equations.accelerations(state, rate, inputs)
+    second, _ = equations.accelerations(state, rate, inputs)
     columns = []
     for name in names:
         turning = [(cos, sin) for angle, cos, sin in equations.turning if angle == name]
         if turning:  # at rest the angle's acceleration is cos sin'' - sin cos''
             ((cos, sin),) = turning
-            columns.append(state[:, cos] * found[:, sin] - state[:, sin] * found[:, cos])
+            columns.append(state[:, cos] * second[:, sin] - state[:, sin] * second[:, cos])
         else:
-            columns.append(found[:, equations.names.index(name)])
+            columns.append(second[:, equations.names.index(name)])
     change = np.array(columns)[:, : len(names)] - np.array(columns)[:, len(names) :]
     squares = np.linalg.eigvals(change / (2.0 * DIFFERENCE * size))
     return float(np.sqrt(-squares.real.min()))
@@ -213,7 +213,7 @@ REACH = 30.0
 """A load so far from its path has left the crane [m]."""
 
 
-def elastic_move(stiffness: float, share: float = 0.25) -> Found:
+def elastic_move(stiffness: float, share: float = 0.25) -> Finding:
     """The overhead crane's move on an elastic rope, at a share of the step that it bears."""
     rig = models.overhead_crane()
     mobility = rig.gravity / rig.weight + 1.0 / rig.ropes[0].inertia_along
@@ -222,7 +222,7 @@ def elastic_move(stiffness: float, share: float = 0.25) -> Found:
     return _landed(rig, step, share, STRETCHED / stiffness + HELD, ropes=ropes)
 
 
-def light_move(mass: float, share: float = 0.2) -> Found:
+def light_move(mass: float, share: float = 0.2) -> Finding:
     """The planar Navy crane's move with a small mass for none, at a share of the stable step."""
     theory = pulley("navy_crane_2d", mass).theory
     assert theory is not None
@@ -230,16 +230,15 @@ def light_move(mass: float, share: float = 0.2) -> Found:
     return _landed(rig, share * theory, share, LIGHT * mass + HELD, massless=mass)
 
 
-def _landed(rig: Rig, step: float, share: float, tolerance: float, **options: Any) -> Found:
+def _landed(rig: Rig, step: float, share: float, tolerance: float, **options: Any) -> Finding:
     """The default move in open loop: the largest distance of the load from its path."""
     reference = from_move(models.default_move(rig))
     step = step if share > 1 else min(step, 1e-3)
     step = reference.duration / math.ceil(reference.duration / step)
     try:
-        found = open_loop(rig, reference, step, **options)
+        distance = float(open_loop(rig, reference, step, **options).distance.max())
     except ModelError as error:
         raise Stopped(str(error)) from None
-    distance = float(found.distance.max())
     if distance > REACH:
         raise Stopped(f"the load leaves the crane, {distance:.2g} m from its path")
-    return Found(distance, tolerance, "distance [m]")
+    return Finding(distance, tolerance, "distance [m]")

@@ -9,8 +9,8 @@ reason (`flatrig.training.stress.case`); the table counts them and says how near
 one came at most, and beside the largest stable time step found stands the one in theory.  Every
 case is a line of `stress.csv`.  The exit status is 1 if one of them was wrong.
 
-To add a case: a function that returns what it found, and a line in `cases` of one of the files
-`stress_cases_*.py`.
+To add a case: a function that returns a finding, and a line in `cases` of one of the files
+`*_cases.py`.
 """
 
 import time
@@ -28,18 +28,14 @@ from .. import options
 from ..console import console, warning
 from ..jobs import Jobs, Processes, Result
 from ..tables import table, write_csv
-from . import episode_cases as stress_cases_envs
-from . import random_cases as stress_cases_random
-from . import run_cases as stress_cases_runs
-from . import solver_cases as stress_cases_solver
-from . import stiff_cases as stress_cases_stiff
+from . import episode_cases, random_cases, run_cases, solver_cases, stiff_cases
 from .case import ENDINGS, WRONG, Case, Outcome, judge
 
 FOLDER = "results/stress"
-TOLD = 10
-"""Wrong cases that are told on the console; all are in the CSV."""
-SHOWN = 4
-"""A row with more step limits than these shows none; its tolerance covers them all."""
+MOST_NAMED = 10
+"""Wrong cases that are named on the console; all are in the CSV."""
+MOST_LIMITS = 4
+"""A row with more step limits than these lists none; its tolerance covers them all."""
 
 
 def main(command: options.Stress) -> int:
@@ -55,8 +51,9 @@ def main(command: options.Stress) -> int:
     write_csv(folder / "stress.csv", columns, map(astuple, outcomes))
     out.print(summary(outcomes))
     wrong = [outcome for outcome in outcomes if outcome.ending == WRONG]
-    for one in wrong[:TOLD]:
-        out.print(warning(f"{one.row}, {one.label}: {_why(one)}"), soft_wrap=True)
+    for outcome in wrong[:MOST_NAMED]:
+        text = f"{outcome.row}, {outcome.label}: {_why(outcome)}"
+        out.print(warning(text), soft_wrap=True)
     out.print(
         f"{len(wrong)} of {len(outcomes)} cases wrong; {time.perf_counter() - begin:.0f} s, "
         f"MuJoCo {mujoco.__version__}; wrote {folder}/stress.csv",
@@ -67,14 +64,14 @@ def main(command: options.Stress) -> int:
 
 def cases(rigs: int, seed: int) -> Iterator[Case]:
     """All cases, the long ones first."""
-    yield from stress_cases_runs.cases()
-    yield from stress_cases_stiff.cases()
-    yield from stress_cases_solver.cases()
-    yield from stress_cases_envs.cases()
-    yield from stress_cases_random.cases(rigs, seed)
+    yield from run_cases.cases()
+    yield from stiff_cases.cases()
+    yield from solver_cases.cases()
+    yield from episode_cases.cases()
+    yield from random_cases.cases(rigs, seed)
 
 
-def _chosen(every: list[Case], only: str) -> list[Case]:
+def _chosen(known: list[Case], only: str) -> list[Case]:
     """Those whose row is meant.
 
     Raises
@@ -82,11 +79,11 @@ def _chosen(every: list[Case], only: str) -> list[Case]:
     OptionError
         There are none.
     """
-    found = [case for case in every if only.lower() in case.row.lower()]
-    if not found:
-        rows = dict.fromkeys(case.row for case in every)
+    chosen = [case for case in known if only.lower() in case.row.lower()]
+    if not chosen:
+        rows = dict.fromkeys(case.row for case in known)
         raise OptionError(f"no row of the table has {only!r} in its name{did_you_mean(only, rows)}")
-    return found
+    return chosen
 
 
 def run(chosen: Sequence[Case], folder: Path, command: options.Stress) -> list[Outcome]:
@@ -120,35 +117,36 @@ def quiet() -> None:
 
 def summary(outcomes: Sequence[Outcome]) -> Table:
     """One line for each row, and one for all."""
-    shown = table(
+    lines = table(
         "Stiff and extreme cases", "", "cases", *ENDINGS, "error over\ntolerance",
         "largest stable\nstep found [s]", "in theory\n[s]",
     )  # fmt: skip
-    for row in dict.fromkeys(one.row for one in outcomes):
-        shown.add_row(row, *_cells([one for one in outcomes if one.row == row]))
-    shown.add_section()
-    shown.add_row("all", *_cells(outcomes))
-    return shown
+    for row in dict.fromkeys(outcome.row for outcome in outcomes):
+        lines.add_row(row, *_cells([outcome for outcome in outcomes if outcome.row == row]))
+    lines.add_section()
+    lines.add_row("all", *_cells(outcomes))
+    return lines
 
 
-def _cells(some: Sequence[Outcome]) -> list[str | Text]:
-    counts = [sum(one.ending == ending for one in some) for ending in ENDINGS]
-    cells: list[str | Text] = [str(len(some)), *(str(count) if count else "" for count in counts)]
+def _cells(outcomes: Sequence[Outcome]) -> list[str | Text]:
+    counts = [sum(item.ending == ending for item in outcomes) for ending in ENDINGS]
+    cells: list[str | Text] = [str(len(outcomes)), *(str(count or "") for count in counts)]
     if counts[-1]:
         cells[-1] = warning(str(counts[-1]))
-    shares = [one.error / one.tolerance for one in some if one.error is not None and one.tolerance]
+    shares = [
+        item.error / item.tolerance
+        for item in outcomes
+        if item.error is not None and item.tolerance
+    ]
     cells.append(f"{max(shares):.1e}" if shares else "")
-    limits = [one for one in some if one.limit and one.theory]
-    limits = limits if len(limits) <= SHOWN else []
-    of = [one.label.rpartition(", ")[2] for one in limits]
-    cells.append(
-        "\n".join(f"{name}: {one.limit:.4g}" for name, one in zip(of, limits, strict=True))
-    )
-    cells.append("\n".join(f"{one.theory:.4g}" for one in limits))
+    limits = [item for item in outcomes if item.limit and item.theory]
+    limits = limits if len(limits) <= MOST_LIMITS else []
+    cells.append("\n".join(f"{item.label.split(', ')[-1]}: {item.limit:.4g}" for item in limits))
+    cells.append("\n".join(f"{item.theory:.4g}" for item in limits))
     return cells
 
 
-def _why(one: Outcome) -> str:
-    if one.error is None or one.tolerance is None:
-        return one.reason
-    return f"{one.reason}: {one.error:.2g}, must be at most {one.tolerance:.2g}"
+def _why(outcome: Outcome) -> str:
+    if outcome.error is None or outcome.tolerance is None:
+        return outcome.reason
+    return f"{outcome.reason}: {outcome.error:.2g}, must be at most {outcome.tolerance:.2g}"

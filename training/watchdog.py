@@ -1,4 +1,4 @@
-"""Runs of a bench that would not end, and libraries that talk."""
+"""Runs that would not end, and libraries that talk."""
 
 import contextlib
 import ctypes
@@ -7,18 +7,20 @@ import signal
 from collections.abc import Iterator
 
 
-class Stopped(Exception):
-    """A run has taken too long."""
-
-
 @contextlib.contextmanager
 def limited(seconds: float) -> Iterator[None]:
-    """Raise `Stopped` in what takes longer; in the main thread of a process only."""
+    """Raise `TimeoutError` in what takes longer, where the system has alarms.
 
-    def stop(*_: object) -> None:
-        raise Stopped
+    In the main thread of a process only.
+    """
+    if not hasattr(signal, "setitimer"):
+        yield
+        return
 
-    before = signal.signal(signal.SIGALRM, stop)
+    def ring(*_: object) -> None:
+        raise TimeoutError(f"still running after {seconds:g} s")
+
+    before = signal.signal(signal.SIGALRM, ring)
     signal.setitimer(signal.ITIMER_REAL, seconds)
     try:
         yield
@@ -30,14 +32,14 @@ def limited(seconds: float) -> Iterator[None]:
 @contextlib.contextmanager
 def quiet() -> Iterator[None]:
     """Keep what compiled libraries say about their failures off the console."""
-    kept, sink = (os.dup(1), os.dup(2)), os.open(os.devnull, os.O_WRONLY)
+    copies, sink = (os.dup(1), os.dup(2)), os.open(os.devnull, os.O_WRONLY)
     try:
         for stream in (1, 2):
             os.dup2(sink, stream)
         yield
     finally:
         ctypes.CDLL(None).fflush(None)  # what they have written may still wait in a buffer
-        for stream, copy in enumerate(kept, 1):
+        for stream, copy in enumerate(copies, 1):
             os.dup2(copy, stream)
             os.close(copy)
         os.close(sink)
