@@ -6,13 +6,13 @@ a *formulation* reduces the index, a *scheme* replaces derivatives by difference
 
     rig = models.overhead_crane()
     path = feedforward.rest_to_rest((0, -4), (5, -1), duration=3.0, order=4)
-    found = feedforward.integrate(rig, path, step=0.01)       # minimal extension, implicit Euler
-    found.motion.inputs, found.motion.positions               # a Motion, at the steps
-    found.counters                                            # steps, evaluations, Jacobians, ...
-    found.failure                                             # None, or where and why it ended
+    result = feedforward.integrate(rig, path, step=0.01)      # minimal extension, implicit Euler
+    result.motion.inputs, result.motion.positions             # a Motion, at the steps
+    result.counters                                           # steps, evaluations, Jacobians, ...
+    result.failure                                            # None, or where and why it ended
 
-    truth = feedforward.solve(rig, path, found.motion.times)
-    abs(found.motion.inputs - truth.inputs).max()
+    truth = feedforward.solve(rig, path, result.motion.times)
+    abs(result.motion.inputs - truth.inputs).max()
 
 Every combination of the names in `FORMULATIONS` and `SCHEMES` can be asked for::
 
@@ -43,6 +43,11 @@ as it has directions) the problem's is 3, and constraints that are left keep it 
 
 Schemes: implicit Euler (the sources'), BDF 2 to 5, Radau IIA with 2 and 3 stages, the latter with a
 tolerance too, and two that oscillate, the midpoint and the trapezoidal rule.
+
+One more scheme is a small immutable object as `Scheme` describes it, made known by `add_scheme` in
+any file of this folder or of one's own (`trapezoidal.py` is the shortest example); one more
+formulation is an entry of `FORMULATIONS`.  `integrate`, its messages, the bench and its figures
+then know it.
 
 What to expect.  The outputs of these rigs are flat, so no scheme integrates anything: it only
 differentiates, from index nu the inputs nu - 1 times.  Places are therefore exact whatever the

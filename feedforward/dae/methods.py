@@ -12,6 +12,7 @@ from functools import lru_cache
 from ...models.errors import OptionError, RigError, did_you_mean
 from ...models.rig.rig import Rig
 from ..exact.problem import Problem, problem_of
+from ..exact.refusal import accept_flat
 from .direct import Direct
 from .extension import Extension
 from .formulation import Formulation
@@ -53,12 +54,7 @@ def formulation(rig: Rig, name: str) -> Formulation:
 
 @lru_cache(maxsize=256)
 def _built(problem: Problem, builder: Builder) -> Formulation:
-    analysis = problem.analysis
-    if not analysis.flat:
-        raise RigError(
-            f"rig {problem.rig.name} is not flat: its outputs leave {analysis.degrees_of_freedom} "
-            "degrees of freedom undetermined"
-        )
+    accept_flat(problem)
     return builder(problem)
 
 

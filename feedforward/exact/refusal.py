@@ -28,16 +28,27 @@ def accept(problem: Problem, reference: Reference) -> None:
         As `feedforward.solve`.
     """
     rig, analysis = problem.rig, problem.analysis
-    if not analysis.flat:
-        raise RigError(
-            f"rig {rig.name} is not flat: its outputs leave {analysis.degrees_of_freedom} "
-            "degrees of freedom undetermined"
-        )
+    accept_flat(problem)
     accept_columns(rig, reference)
     if reference.order < analysis.reference_order:
         raise SmoothnessError(
             f"the reference has {reference.order} continuous derivatives, rig {rig.name} "
             f"needs {analysis.reference_order}"
+        )
+
+
+def accept_flat(problem: Problem) -> None:
+    """Refuse a rig that is not flat.
+
+    Raises
+    ------
+    RigError
+        Its outputs do not determine everything.
+    """
+    if not problem.analysis.flat:
+        raise RigError(
+            f"rig {problem.rig.name} is not flat: its outputs leave "
+            f"{problem.analysis.degrees_of_freedom} degrees of freedom undetermined"
         )
 
 

@@ -56,6 +56,21 @@ def exact_state(rig, reference, kind, time):
     return np.concatenate((x, *forces)), np.append(xd, still), np.append(xdd, still)
 
 
+def test_a_formulation_of_ones_own_is_added_in_one_line():
+    dae.FORMULATIONS["mine"] = lambda problem: Extension.of(problem, "minimal")
+    try:
+        rig, path = default("overhead_crane")
+        own, known = (
+            feedforward.integrate(rig, path, step=0.1, formulation=name).motion.inputs
+            for name in ("mine", "minimal extension, minimal")
+        )
+        np.testing.assert_array_equal(own, known)
+        with pytest.raises(OptionError, match="mine"):
+            dae.formulation(rig, "mein")
+    finally:
+        del dae.FORMULATIONS["mine"]
+
+
 @pytest.mark.parametrize(("name", "formulation"), PAIRS)
 def test_jacobians_are_the_derivatives(name, formulation):
     rig, reference = default(name)
