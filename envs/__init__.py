@@ -15,6 +15,7 @@ Importing this package registers them; `flatrig.envs.crane.task` documents the o
 
 import gymnasium as gym
 
+from ..models import CATALOGUE, HAND_CATALOGUE
 from .common import Range
 from .controllers import PD, Feedforward, Law, Residual, task_of, wrap
 from .crane.disturbances import Disturbances, Scenario, design
@@ -64,25 +65,10 @@ __all__ = [
 OWN = "flatrig/Rig-v0"
 """Environment of a rig of one's own: needs `rig`, a `Rig` or the path of a TOML file."""
 
-ENVIRONMENTS = {
-    "flatrig/OverheadCrane-v0": "overhead_crane",
-    "flatrig/RopedOverheadCrane-v0": "roped_overhead_crane",
-    "flatrig/RotaryCrane-v0": "rotary_crane",
-    "flatrig/CantileverCrane-v0": "cantilever_crane",
-    "flatrig/GantryCrane-v0": "gantry_crane",
-    "flatrig/NavyCrane2D-v0": "navy_crane_2d",
-    "flatrig/NavyCrane3D-v0": "navy_crane_3d",
-    "flatrig/CableManipulator-v0": "cable_manipulator",
-}
+ENVIRONMENTS = CATALOGUE.environments
 """Rig of the catalogue for each registered environment."""
 
-HAND_ENVIRONMENTS = {
-    "flatrig/BallOnPlate-v0": "ball_on_plate",
-    "flatrig/BallBetweenPlates-v0": "ball_between_plates",
-    "flatrig/BallInCorner-v0": "ball_in_corner",
-    "flatrig/TwoFingerHand-v0": "two_finger_hand",
-    "flatrig/ThreeFingerHand-v0": "three_finger_hand",
-}
+HAND_ENVIRONMENTS = HAND_CATALOGUE.environments
 """Hand of the catalogue for each registered environment."""
 
 _CRANES = [(name, "Crane", {"rig": rig}) for name, rig in ENVIRONMENTS.items()]

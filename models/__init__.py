@@ -11,25 +11,21 @@ from typing import TYPE_CHECKING, Any
 
 from .errors import FlatrigError, ModelError, OptionError, PathError, RigError, SmoothnessError
 from .files import OutputError
-from .hand.catalogue import (
-    HAND_CATALOGUE,
-    PRINTED_HAND_MOVES,
+from .hand.catalogue import HAND_CATALOGUE, default_hand_move, make_hand
+from .hand.hand import Finger, Hand, HeldObject, Plate, Tip
+from .hand.kiss_hands import (
     ball_between_oblique_plates,
     ball_between_plates,
     ball_in_corner,
     ball_on_plate,
-    default_hand_move,
-    make_hand,
     three_finger_hand,
     two_finger_hand,
 )
-from .hand.hand import Finger, Hand, HeldObject, Plate, Tip
 from .hand.move import HandMove
 from .mjcf.ropes import Ropes
 from .rig.catalogue import CATALOGUE, default_move, full_name, make, printed_move
 from .rig.manipulators import cable_manipulator
 from .rig.move import Move
-from .rig.moves import PRINTED_MOVES
 from .rig.navy_cranes import navy_crane_2d, navy_crane_3d
 from .rig.rig import (
     WORLD,
@@ -121,6 +117,11 @@ __all__ = [
     "three_finger_hand",
     "two_finger_hand",
 ]
+
+PRINTED_MOVES = CATALOGUE.printed
+"""The sources' moves of rigs that cannot be made, by the rig's name."""
+PRINTED_HAND_MOVES = HAND_CATALOGUE.printed
+"""The sources' moves of hands that cannot be made, by the hand's name."""
 
 
 def compile(rig: Rig, **options: Any) -> "mujoco.MjModel":

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...models.errors import PathError
-from ...models.hand.catalogue import on_sphere
+from ...models.hand.kiss_hands import on_sphere
 from ...models.hand.hand import Hand, Tip
 from ...models.hand.move import HandMove
 from ...models.types import Array

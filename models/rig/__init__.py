@@ -1,1 +1,40 @@
-"""What a rig is: frames, rails, masses and ropes, its moves, TOML files, and the catalogue."""
+"""What a rig is: frames, rails, masses and ropes, its moves, TOML files, and the catalogue.
+
+A file for each family of cranes registers them in the catalogue, in the order of the imports below.
+"""
+
+# isort: off
+from . import trolley_cranes as trolley_cranes
+from . import navy_cranes as navy_cranes
+from . import manipulators as manipulators
+# isort: on
+
+from .rig import (
+    WORLD,
+    Anchor,
+    Combination,
+    Drive,
+    Frame,
+    Load,
+    Platform,
+    Rail,
+    Rig,
+    Rope,
+    Sheave,
+    Trolley,
+)
+
+__all__ = [
+    "WORLD",
+    "Anchor",
+    "Combination",
+    "Drive",
+    "Frame",
+    "Load",
+    "Platform",
+    "Rail",
+    "Rig",
+    "Rope",
+    "Sheave",
+    "Trolley",
+]

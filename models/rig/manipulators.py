@@ -2,13 +2,38 @@
 
 import math
 
-from ..values import of_numbers
+from ..values import Vector, of_numbers
+from .catalogue import CATALOGUE
+from .move import Move
 from .rig import Anchor, Combination, Drive, Frame, Platform, Rail, Rig, Rope, Trolley
 from .trolley_cranes import GRAVITY
 
 ROOT3 = math.sqrt(3.0)
+_PLACE, _LEVEL, _SPREAD = (1.0 + 0.2 * ROOT3, 1.2, -3.0), (0.0, 0.0, 0.0), 0.6 * ROOT3
+_TURNED = (-math.pi / 6, -math.pi / 4, math.pi / 3)
+_FAR = (3.0 + 0.2 * ROOT3, 5.0, -1.0)
 
 
+def _move(place: Vector, angles: Vector, turning: tuple[int, ...] = ()) -> Move:
+    """From the source's initial place, level, to another place and other Bryant angles."""
+    return Move(
+        start=(*_PLACE, *_LEVEL, _SPREAD),
+        goal=(*place, *angles, _SPREAD),
+        duration=20.0,
+        profile="three_phase",
+        turning=turning,
+    )
+
+
+MANIPULATOR_MOVES: dict[str, Move] = {
+    "turn": _move(_PLACE, (0.0, 0.0, math.pi / 3)),
+    "line": _move(_FAR, _LEVEL),
+    "line and turn": _move(_FAR, _TURNED, turning=(3, 4, 5)),
+}
+"""CABLEV's moves (a), (b), (c) of Y 6.3.7, seen with z up: alpha and beta change their signs."""
+
+
+@CATALOGUE.add(move=MANIPULATOR_MOVES["line"], environment="CableManipulator")
 @of_numbers
 def cable_manipulator(
     *,

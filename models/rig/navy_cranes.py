@@ -7,10 +7,26 @@ from the weights and leave a third above what the default moves need.
 import math
 
 from ..values import of_numbers
+from .catalogue import CATALOGUE
+from .move import Move
 from .rig import Anchor, Drive, Frame, Load, Rig, Rope
 from .trolley_cranes import GRAVITY
 
+_ROOT3 = math.sqrt(3.0)
+_PLANE_START, _SPACE_START = (-2.5 * _ROOT3, -22.5, -12.5), (5.0 * _ROOT3, 0.0, -15.0, 2.5)
 
+
+@CATALOGUE.add(
+    move=Move(_PLANE_START, goal=(-7.0, -17.5, -10.5), duration=5.0),
+    # Y 6.22, 6.23: its tagline would have to push.
+    printed=Move(_PLANE_START, goal=(-1.0, -17.5, -10.5), duration=3.0),
+    # Y 6.9, 6.10, the default in 5 s instead of the printed 3, in which the tagline would push.
+    without_pulley_mass=(
+        Move(start=(0.0, -15.0), goal=(-5.0, -12.0), duration=5.0),
+        Move(start=(0.0, -15.0), goal=(-5.0, -12.0), duration=3.0),
+    ),
+    environment="NavyCrane2D",
+)
 @of_numbers
 def navy_crane_2d(
     *,
@@ -64,6 +80,27 @@ def navy_crane_2d(
     )
 
 
+@CATALOGUE.add(
+    move=Move(_SPACE_START, goal=(-2.0, 4.0 * _ROOT3, -13.0, 2.5), duration=20.0, order=6),
+    # Y 6.34 to 6.39 with z0 of 6.2.2: a rope would have to push, and the path is too rough.
+    printed=Move(
+        _SPACE_START,
+        goal=(-2.0, 4.0 * _ROOT3, -13.0, 1.5),
+        duration=20.0,
+        profile="three_phase",
+    ),
+    # Y 6.34, 6.35
+    without_pulley_mass=(
+        Move(
+            _SPACE_START[:3],
+            goal=(-2.0, 4.0 * _ROOT3, -13.0),
+            duration=20.0,
+            profile="three_phase",
+        ),
+        None,
+    ),
+    environment="NavyCrane3D",
+)
 @of_numbers
 def navy_crane_3d(
     *,

@@ -10,11 +10,21 @@ from functools import partial
 from typing import Any
 
 from ..values import of_numbers
+from .catalogue import CATALOGUE
+from .move import Move
 from .rig import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Sheave, Trolley
 
 GRAVITY = 9.81
 
+_BEAM_MOVE = Move(start=(0.0, -4.0), goal=(5.0, -1.0), duration=3.0)
+"""The source's move of the overhead crane (Y 4.107)."""
+_GIRDER_MOVE = Move(
+    start=(5.0, 0.0, -5.0), goal=(-2.0, 2.0, -2.0), duration=20.0, profile="three_phase"
+)
+"""The source's move of the rotary crane (Y 4.123 to 4.128, 5.142)."""
 
+
+@CATALOGUE.add(move=_BEAM_MOVE, environment="OverheadCrane")
 @of_numbers
 def overhead_crane(
     *,
@@ -45,6 +55,7 @@ def overhead_crane(
     )
 
 
+@CATALOGUE.add(move=_BEAM_MOVE, environment="RopedOverheadCrane")
 @of_numbers
 def roped_overhead_crane(
     *,
@@ -79,6 +90,7 @@ def roped_overhead_crane(
     )
 
 
+@CATALOGUE.add(move=_GIRDER_MOVE, environment="RotaryCrane")
 @of_numbers
 def rotary_crane(
     *,
@@ -118,6 +130,7 @@ rotary_crane_small = partial(
 rotary_crane_small.__doc__ = "The rotary crane with the data of Y table 4.1, used in Y 2.4."
 
 
+@CATALOGUE.add(move=_GIRDER_MOVE)
 @of_numbers
 def extended_rotary_crane(
     *,
@@ -164,6 +177,10 @@ def extended_rotary_crane(
     )
 
 
+@CATALOGUE.add(
+    move=Move(start=(5.0, 0.0, -5.0), goal=(2.0, 4.0, -2.0), duration=20.0, profile="three_phase"),
+    environment="CantileverCrane",
+)
 @of_numbers
 def cantilever_crane(
     *,
@@ -192,6 +209,10 @@ def cantilever_crane(
     )
 
 
+@CATALOGUE.add(
+    move=Move(start=(5.0, 0.0, -5.0), goal=(1.0, 2.0, -2.0), duration=20.0, profile="three_phase"),
+    environment="GantryCrane",
+)
 @of_numbers
 def gantry_crane(
     *,

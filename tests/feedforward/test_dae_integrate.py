@@ -6,7 +6,6 @@ import pytest
 from flatrig import feedforward, models
 from flatrig.feedforward import dae, rest_to_rest
 from flatrig.models.errors import OptionError, PathError
-from flatrig.models.rig.moves import MASSLESS_MOVES
 
 QUANTITIES = ("positions", "velocities", "inputs")
 
@@ -43,7 +42,7 @@ def test_at_the_printed_steps(name, steps):
 def test_massless_pulley_leaves_its_singular_start():
     """Y 6.1.1: the coordinates of the planar crane do not depend on the step."""
     rig = models.navy_crane_2d(pulley_mass=0.0)
-    path = feedforward.from_move(MASSLESS_MOVES["navy_crane_2d"])
+    path = feedforward.from_move(models.default_move(models.navy_crane_2d(pulley_mass=0)))
     for step in (0.1, 0.02):
         found = feedforward.integrate(rig, path, step=step)
         assert found.failure is None
@@ -117,7 +116,7 @@ def test_failure_is_a_value():
 def test_singular_equations_are_a_failure():
     """A massless pulley straight below its winch: minimal coordinates find no way from there."""
     rig = models.navy_crane_2d(pulley_mass=0.0)
-    path = feedforward.from_move(MASSLESS_MOVES["navy_crane_2d"])
+    path = feedforward.from_move(models.default_move(models.navy_crane_2d(pulley_mass=0)))
     found = feedforward.integrate(
         rig, path, step=0.1, formulation="projection, minimal", scheme="implicit Euler"
     )

@@ -16,7 +16,7 @@ from flatrig.feedforward import analyse, equations_of, from_move, residuals, res
 from flatrig.feedforward.paths.turning import fixed_axis
 from flatrig.feedforward.series.rotation import bryant, matrix
 from flatrig.models import PathError, RigError
-from flatrig.models.rig.moves import MANIPULATOR_MOVES, MASSLESS_MOVES
+from flatrig.models.rig.manipulators import MANIPULATOR_MOVES
 
 
 def test_rotation_series_against_scipy_and_back():
@@ -151,7 +151,8 @@ def test_the_singular_start_does_not_depend_on_where_home_has_the_pulley():
 
 
 def test_massless_crane_in_space_from_its_singular_start():
-    rig, path = models.navy_crane_3d(pulley_mass=0.0), from_move(MASSLESS_MOVES["navy_crane_3d"])
+    rig = models.navy_crane_3d(pulley_mass=0.0)
+    path = from_move(models.default_move(rig))
     motion = solve(rig, path, np.linspace(0, 20, 401))
     assert residuals(motion, path).max() < 1e-9
     assert not motion.slack

@@ -16,7 +16,7 @@ from rich.text import Text
 
 from ...feedforward import from_move
 from ...models import Move, Rig, default_move, make, printed_move
-from ...models.rig.moves import MANIPULATOR_MOVES
+from ...models.rig.manipulators import MANIPULATOR_MOVES
 from .. import options
 from ..console import console, warning
 from ..simulate.open_loop import open_loop

@@ -20,7 +20,6 @@ import numpy as np
 
 from ...feedforward import Motion, Reference, dae, from_move, solve
 from ...models import CATALOGUE, Move, Rig, default_move, make
-from ...models.rig.moves import MASSLESS_MOVES
 from ...models.types import Array
 from ..watchdog import limited, quiet
 from .peers import PEERS, Peer, PeerError, Problem
@@ -80,7 +79,7 @@ CASES: dict[str, Case] = {
     case.label: case
     for case in (
         *(Case(name) for name in CATALOGUE),
-        *(Case(name, massless=True) for name in MASSLESS_MOVES),
+        *(Case(e.name, massless=True) for e in CATALOGUE.entries if e.without_pulley_mass),
     )
 }
 """The catalogue, and the Navy cranes without pulley mass, by label."""

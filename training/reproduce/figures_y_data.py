@@ -7,7 +7,7 @@ Euler, as in the source, and drawn with the exact solution behind it.
 from dataclasses import dataclass
 
 from ...models import Move, Rig, default_move, make, printed_move
-from ...models.rig.moves import MANIPULATOR_MOVES
+from ...models.rig.manipulators import MANIPULATOR_MOVES
 
 
 @dataclass(frozen=True)
