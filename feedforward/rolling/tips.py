@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...models.errors import PathError
-from ...models.hand.kiss_hands import on_sphere
 from ...models.hand.hand import Hand, Tip
+from ...models.hand.kiss_hands import on_sphere
 from ...models.hand.move import HandMove
 from ...models.types import Array
 from ..series.products import apply, between, cross, derivative, dot, product, quotient
