@@ -9,7 +9,7 @@ Track = Literal["moving", "set point"]
 
 
 class Gains(NamedTuple):
-    """Of each drive, in its input's unit per metre, or radian where it turns something."""
+    """Gains of each drive, in its input's unit per metre, or radian where it turns something."""
 
     stiffness: Array
     """Input per position error, shape (drives,) [N/m, N m/m, N m/rad]."""

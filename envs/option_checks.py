@@ -37,8 +37,8 @@ def number(
     limits = {f"> {above:g}": above, f">= {least:g}": least, f"at most {most:g}": most}
     rules = " and ".join(rule for rule, limit in limits.items() if math.isfinite(limit))
     kind = f"a {'whole' if whole else 'finite'} number {rules}".rstrip()
-    shown = f"{value} {unit}".rstrip() if real else repr(value)
-    raise OptionError(f"{name} is {shown}, it must be {kind}")
+    text = f"{value} {unit}".rstrip() if real else repr(value)
+    raise OptionError(f"{name} is {text}, it must be {kind}")
 
 
 def seed_of(value: object) -> int | None:
@@ -84,6 +84,7 @@ def substeps_of(rate: float, timestep: float) -> int:
     timestep = number("timestep", timestep, above=0, unit="s")
     exact = 1.0 / (rate * timestep)
     whole = round(exact)
+    # Rates and time steps are decimal numbers, whose quotients are whole up to rounding.
     if whole < 1 or abs(exact - whole) > 1e-6 * exact:
         raise OptionError(
             f"a control period is {exact:.6g} time steps (rate {rate:g} Hz, timestep {timestep:g} "

@@ -34,9 +34,9 @@ class Sensor(NamedTuple):
     """What is seen beyond the encoders."""
 
     names: Sequence[str]
-    """Of its entries."""
+    """Names of its entries."""
     units: ArrayLike
-    """Of its entries, shape (entries,), or one number for all."""
+    """Units of its entries, shape (entries,), or one number for all."""
     read: Callable[[Array], object]
     """Writes values into an array (n, entries)."""
 

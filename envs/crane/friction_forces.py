@@ -20,7 +20,8 @@ from ...models.types import Array
 from .disturbances import Scenario
 
 FAINT = 1e-9
-"""Regularisation of the split of friction among drives that rub on the same joint."""
+"""Regularisation of the split of friction among drives that rub on the same joint [N]: drives that
+cannot bear anything get nothing, and the matrix of the split stays regular."""
 
 
 class _Places:

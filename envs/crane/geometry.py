@@ -45,9 +45,9 @@ class Scales:
     length: float
     """How far loads and platforms hang below what they hang from, at home, the largest [m]."""
     time: float
-    """Of a pendulum of that length, per radian [s]."""
+    """Time in which a pendulum of that length swings one radian of its phase [s]."""
     weight: float
-    """Of all loads and platforms [N]."""
+    """Weight of all loads and platforms [N]."""
 
     @classmethod
     def of(cls, rig: Rig, heights: dict[str, float]) -> "Scales":
@@ -148,7 +148,7 @@ def turned(motion: Array) -> Array:
 
 def _corners(rig: Rig, places: dict[str, Array], size: int) -> dict[str, Array]:
     """Corners of platforms at the probes: where their centres are, and what the rotation adds."""
-    found = {}
+    corners = {}
     for index, platform in enumerate(rig.platforms):
         first = 1 + size + 9 * index
         for anchor in rig.anchors:
@@ -156,8 +156,8 @@ def _corners(rig: Rig, places: dict[str, Array], size: int) -> dict[str, Array]:
                 place = places[platform.name].copy()
                 for row in range(3):
                     place[first + 3 * row : first + 3 * row + 3, row] += anchor.position
-                found[anchor.name] = place
-    return found
+                corners[anchor.name] = place
+    return corners
 
 
 def _kind(rig: Rig, point: str) -> str:
@@ -192,6 +192,7 @@ def _holds(rig: Rig, vectors: Array, owners: list[int]) -> bool:
     mine = np.linalg.norm(vectors @ ones.T, axis=1).T
     truth = spans(rig, points(rig, joints, np.zeros_like(joints)))
     stacked = np.concatenate([truth[rope.name][0] for rope in rig.ropes], axis=-1)
+    # Rounding leaves 1e-14; a span that is not affine is off by a share of its length.
     return bool(np.allclose(mine, stacked, 1e-9, 1e-9))
 
 

@@ -16,7 +16,7 @@ from .plan import HandPlan, make_hand_plan
 HandReference = HandMove | Callable[[np.random.Generator], HandMove] | str | None
 
 DURATION = 2.0
-"""Of the default moves in environments [s]."""
+"""Duration of the default moves in environments [s]."""
 AROUND = 0.15
 """By how much drawn goals turn more or less than the default move, each angle at most [rad]."""
 ASIDE = 0.2

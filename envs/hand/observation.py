@@ -48,7 +48,7 @@ def observation_of(plant: HandPlant, encoders: Encoders, rows: Rows, full: bool)
 
 
 def drive_names(hand: Hand) -> tuple[str, ...]:
-    """Of a hand's motors, as `rolling.joint_forces` has them."""
+    """Names of a hand's motors, as `rolling.joint_forces` has them."""
     names = []
     for finger in hand.fingers:
         names += [f"{finger.name}.slide{k + 1}" for k in range(len(finger.slides))]
@@ -64,5 +64,6 @@ def pose_error(outputs: Array, planned: Array) -> Array:
     axis = 0.5 * np.stack((twice[:, 2, 1], twice[:, 0, 2], twice[:, 1, 0]), axis=1)
     sine = np.linalg.norm(axis, axis=1)
     angle = np.arctan2(sine, 0.5 * (np.trace(turn, axis1=1, axis2=2) - 1.0))
+    # Below 1e-9 rad angle and sine agree to rounding, and their quotient may be 0 / 0.
     stretch = np.where(sine > 1e-9, angle / np.where(sine > 1e-9, sine, 1.0), 1.0)
     return np.hstack((outputs[:, :3] - planned[:, :3], axis * stretch[:, None]))

@@ -105,8 +105,8 @@ def make_hand_plan(hand: Hand, move: HandMove, period: float, hold: float) -> Ha
     middles = 0.5 * (moving.values[: steps + 1] + moving.values[1 : steps + 2])
     now = _at(motion, slice(0, steps + 1))
     still = _resting(now)
-    held = _squeezed(still, squeeze, *split(still))
-    holding = joint_forces(still, held).values / moving.limits
+    grip_at_rest = _squeezed(still, squeeze, *split(still))
+    holding = joint_forces(still, grip_at_rest).values / moving.limits
     positions, rates = drive_motion(motion)
     rows = hand_layout(hand).table(
         period,
@@ -117,7 +117,7 @@ def make_hand_plan(hand: Hand, move: HandMove, period: float, hold: float) -> Ha
         feedforward=middles / moving.limits,
         holding=holding,
     )
-    start = Start(now.position[0], now.rotation[0], now.finger_positions[0], held.normal[0])
+    start = Start(now.position[0], now.rotation[0], now.finger_positions[0], grip_at_rest.normal[0])
     inputs = holding[0] * moving.limits
     return HandPlan(rows, inputs, positions[-1].copy(), holding[-1], start, now, period)
 

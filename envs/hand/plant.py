@@ -176,6 +176,7 @@ class HandPlant(Simulations[HandPlan, HandScenario]):
         for i, (finger, body) in enumerate(zip(hand.fingers, self._fingers, strict=True)):
             away = self._places[:, body] - centre
             if isinstance(finger.surface, Tip):
+                # Centres that coincide have left the model; the division must not warn.
                 distance = np.maximum(np.linalg.norm(away, axis=1), 1e-12)
                 self.normals[:, i] = away / distance[:, None]
                 self.gaps[:, i] = distance - hand.held.radius - finger.surface.radius

@@ -62,6 +62,7 @@ class PoseFeedbackLaw(Law):
         )
         twist = -np.einsum("nij,nj->ni", gains, errors)
         size = np.linalg.norm(twist, axis=1, keepdims=True)
+        # The tiny number keeps a vanishing twist from being divided by zero.
         twist *= np.minimum(1.0, FASTEST * self._radius / np.maximum(size, 1e-12))
         normals = task.plant.normals
         points = twist[:, None, :3] + np.cross(twist[:, None, 3:], normals)

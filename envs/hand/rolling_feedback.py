@@ -29,7 +29,7 @@ LASTING = 200.0
 """How long an error counts that is left at the end and cannot be corrected there [s]: a ball that
 rolls two ways only wanders by some degrees to end in its pose; with 1 s it would end off it."""
 RANK = 1e-6
-"""Smallest singular value that counts."""
+"""Singular values below this share of the largest count as zero."""
 
 
 def twists(motion: HandMotion) -> Array:
@@ -50,16 +50,16 @@ def feedback_gains(motion: HandMotion, period: float) -> Array:
     """Gains G of (v, r omega) = -G e for each of evenly spaced instants, (N, 6, 6) [1/s]."""
     basis = twists(motion)
     ways, count = basis.shape[1], len(motion.times)
-    given = period * basis
+    steered = period * basis
     drift = np.tile(np.eye(6), (count, 1, 1))
     drift[:, 3:, 3:] += period * cross_matrix(motion.angular_velocity)
     gains = np.zeros((count, ways, 6))
     direct, effort = basis @ basis.T, period / RATE**2 * np.eye(ways)
     cost = direct / RATE + LASTING * (np.eye(6) - direct)
     for k in range(count - 1, -1, -1):
-        reach = given.T @ cost
-        gains[k] = np.linalg.solve(effort + reach @ given, reach @ drift[k])
-        closed = drift[k] - given @ gains[k]
+        reach = steered.T @ cost
+        gains[k] = np.linalg.solve(effort + reach @ steered, reach @ drift[k])
+        closed = drift[k] - steered @ gains[k]
         cost = period * np.eye(6) + drift[k].T @ cost @ closed
         cost = 0.5 * (cost + cost.T)
     return np.asarray(basis @ gains)
