@@ -10,7 +10,7 @@ from flatrig import models
 from flatrig.models.mjcf import rig_model as mjcf
 from flatrig.models.mjcf import simulate as run
 from flatrig.training import cli
-from flatrig.training.bench import lean
+from flatrig.training.bench import accuracy, lean
 
 ROPES = ("rigid", "elastic", "slack")
 EVERYTHING = sum(lean.OFF.values()) | lean.ALL_CONSTRAINTS
@@ -97,3 +97,8 @@ def test_the_table(monkeypatch, capsys):
     said = capsys.readouterr().out
     assert all(name in said for name in lean.VARIANTS)
     assert "looks, constraints" in said
+
+
+def test_every_crane_of_the_catalogue_is_driven_in_mujoco():
+    assert {case.rig.name for case in accuracy.cases()} == set(models.CATALOGUE)
+    assert set(accuracy.GOALS) <= set(models.CATALOGUE)

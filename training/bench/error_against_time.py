@@ -24,8 +24,7 @@ from .. import options
 from ..console import console
 from ..jobs import Jobs, Processes
 from ..tables import write_csv
-from . import trial_figures as bench_figures
-from . import trial_tables as bench_tables
+from . import trial_figures, trial_tables
 from .peers import PEERS
 from .trials import BY_NAME, CASES, EXACT, Run, Unit
 
@@ -46,25 +45,25 @@ def main(command: options.Bench) -> None:
     runs = measure(chosen, None if picture else folder, command.resume, command.processes)
     cases = list(dict.fromkeys(run.case for run in runs))
     if picture:
-        bench_figures.one(folder, runs, chosen[0].case, _formulation(chosen))
-        out.print(bench_tables.of_case(chosen[0].case, runs))
+        trial_figures.one(folder, runs, chosen[0].case, _formulation(chosen))
+        out.print(trial_tables.of_case(chosen[0].case, runs))
         out.print(f"wrote {folder}", soft_wrap=True)
         return
     for case in cases:
-        out.print(bench_tables.of_case(case, runs))
+        out.print(trial_tables.of_case(case, runs))
     written = [folder / "runs.csv", folder / "orders.csv"]
     write_csv(written[0], [field.name for field in fields(Run)], map(astuple, runs), ".6g")
-    orders = (row.values() for row in bench_tables.orders(runs))
-    write_csv(written[1], bench_tables.ORDERS, orders, ".6g")
+    orders = (row.values() for row in trial_tables.orders(runs))
+    write_csv(written[1], trial_tables.ORDERS, orders, ".6g")
     for case in cases:
         written.append(folder / f"{case.replace(', ', '_')}.png")
-        bench_figures.case(written[-1], runs, case)
-    for shown in bench_tables.against_exact(runs):
-        out.print(shown)
+        trial_figures.case(written[-1], runs, case)
+    for comparison in trial_tables.against_exact(runs):
+        out.print(comparison)
     if not command.formulation and not command.scheme:
-        out.print(bench_tables.along_catalogue_moves(cases))
+        out.print(trial_tables.along_catalogue_moves(cases))
         if not command.rig:
-            out.print(bench_tables.at_printed_steps())
+            out.print(trial_tables.at_printed_steps())
     for path in written:
         out.print(f"wrote {path}", soft_wrap=True)
 

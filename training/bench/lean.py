@@ -34,7 +34,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "slack": {"visuals": False, "ropes": "slack"},
     "dressed": {},
 }
-"""Options of `compile`."""
+"""Options of `compile` for each scene."""
 
 LOOKS = ("geom", "cam", "light", "mat", "tex", "mesh", "sensor")
 """Kinds of parts that only people need."""
@@ -52,15 +52,15 @@ ALL_CONSTRAINTS = int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
 
 def main(_: options.Lean) -> None:
     """Print the table."""
-    shown = table(
+    lines = table(
         "What scenes carry (model and data in kB, steps in microseconds)",
         "scene", "nq", "nv", "nu", "tendons", "rows", "looks", "model", "data", "step",
         "features", "left out",
     )  # fmt: skip
     out = console()
     for name in track(CATALOGUE, "Looking", transient=True, console=out):
-        _add(shown, name)
-    out.print(shown)
+        _add(lines, name)
+    out.print(lines)
 
 
 def used(model: mujoco.MjModel) -> set[str]:
@@ -91,14 +91,14 @@ def idle(model: mujoco.MjModel) -> list[str]:
 
     Points' sites count as used: they are where a point is looked up.
     """
-    found = [f"{count} {kind}" for kind, count in _looks(model).items() if count]
+    unused = [f"{count} {kind}" for kind, count in _looks(model).items() if count]
     driven = model.actuator_trnid[model.actuator_trntype == mujoco.mjtTrn.mjTRN_TENDON, 0]
     for i in range(model.ntendon):
         acts = (model.tendon_armature, model.tendon_stiffness, model.tendon_limited)
         if i not in driven and not any(np.any(values[i]) for values in acts):
-            found.append(f"tendon {model.tendon(i).name}")
+            unused.append(f"tendon {model.tendon(i).name}")
     extra = on(model).intersection(CONSTRAINTS) - used(model)
-    return found + [f"feature {name}" for name in sorted(extra)]
+    return unused + [f"feature {name}" for name in sorted(extra)]
 
 
 def _looks(model: mujoco.MjModel) -> dict[str, int]:
@@ -106,16 +106,16 @@ def _looks(model: mujoco.MjModel) -> dict[str, int]:
     return {kind: int(getattr(model, f"n{kind}")) for kind in LOOKS}
 
 
-def _add(shown: Table, name: str) -> None:
+def _add(lines: Table, name: str) -> None:
     """Rows of one crane."""
     rig = make(name)
     scenes = {variant: mjcf.compile(rig, **how) for variant, how in VARIANTS.items()}
-    shown.add_row(name)
+    lines.add_row(name)
     for variant, model in scenes.items():
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, 0)
         mujoco.mj_forward(model, data)
-        shown.add_row(
+        lines.add_row(
             f"  {variant}", str(model.nq), str(model.nv), str(model.nu), str(model.ntendon),
             str(data.nefc), str(sum(_looks(model).values())),
             f"{mujoco.mj_sizeModel(model) / 1e3:.1f}", f"{(data.nbuffer + data.narena) / 1e3:.0f}",
@@ -125,7 +125,7 @@ def _add(shown: Table, name: str) -> None:
 
 
 def _step_time(model: mujoco.MjModel, data: mujoco.MjData) -> float:
-    """Of one step about home under the holding inputs [us]."""
+    """Time of one step about home under the holding inputs [us]."""
     best = np.inf
     for _ in range(REPETITIONS):
         mujoco.mj_resetDataKeyframe(model, data, 0)
@@ -137,10 +137,10 @@ def _step_time(model: mujoco.MjModel, data: mujoco.MjData) -> float:
 
 def _left_out(model: mujoco.MjModel) -> str:
     """Looks if there are none, and the constraints that are switched off."""
-    kept = on(model).intersection(CONSTRAINTS)
-    off = [name for name in CONSTRAINTS if name not in kept]
-    if len(kept) == 1:
-        off = [f"all but {next(iter(kept))}"]
-    elif not kept:
+    active = on(model).intersection(CONSTRAINTS)
+    off = [name for name in CONSTRAINTS if name not in active]
+    if len(active) == 1:
+        off = [f"all but {next(iter(active))}"]
+    elif not active:
         off = ["constraints"]
     return ", ".join(off if any(_looks(model).values()) else ["looks", *off])

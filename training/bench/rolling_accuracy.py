@@ -25,9 +25,9 @@ from ..simulate.hand_runs import HandRun, Track, run_track
 from ..tables import table
 
 SECONDS = 10.0
-"""Of every run [s]."""
+"""Duration of every run [s]."""
 PASS = 2.0
-"""Once along a motion [s]."""
+"""Duration of going once along a motion [s]."""
 SLIP, SLIP_OF_TIPS = 1e-3, 1.5e-3
 """Goals for the slip ratio, the second for turning tips."""
 CREEP = 2e-4
@@ -72,8 +72,7 @@ class Case:
         ModelError
             The simulation breaks down.
         """
-        model = compile_hand(self.plan.hand, settings, visuals=False)
-        return run_track(model, Track.of(self.plan, settings.timestep, seconds))
+        return self._run(settings, Track.of(self.plan, settings.timestep, seconds))
 
     def hold(self, settings: ContactSettings, seconds: float) -> HandRun:
         """Hold the first pose.
@@ -83,19 +82,21 @@ class Case:
         ModelError
             The simulation breaks down.
         """
-        model = compile_hand(self.plan.hand, settings, visuals=False)
-        return run_track(model, Track.still(self.plan, settings.timestep, seconds))
+        return self._run(settings, Track.still(self.plan, settings.timestep, seconds))
+
+    def _run(self, settings: ContactSettings, track: Track) -> HandRun:
+        return run_track(compile_hand(self.plan.hand, settings, visuals=False), track)
 
 
-def main(asked: options.Hands) -> None:
+def main(command: options.Hands) -> None:
     """Print the three tables, or film one hand."""
-    if asked.output:
-        film(asked.name, asked.output)
+    if command.output:
+        film(command.name, command.output)
         return
-    names = [full_hand_name(asked.name)] if asked.name else list(HAND_CATALOGUE)
+    names = [full_hand_name(command.name)] if command.name else list(HAND_CATALOGUE)
     cases, out = [Case.of(name) for name in names], console()
-    for shown in (rolling_table(cases), holding_table(cases), condim_table(cases)):
-        out.print(shown)
+    for summary in (rolling_table, holding_table, condim_table):
+        out.print(summary(cases))
 
 
 def film(name: str, path: str) -> None:
@@ -127,7 +128,7 @@ def describe(settings: ContactSettings) -> str:
 
 def rolling_table(cases: Iterable[Case]) -> Table:
     """Slip and the object's final pose."""
-    shown = table(
+    lines = table(
         f"Rolling for {SECONDS:g} s.  Recommended: {describe(RECOMMENDED)}, condim 3 (4 for a hand "
         f"without spin).\nMuJoCo's defaults: {describe(MUJOCO_DEFAULTS)}, condim 3",
         "hand", "settings", "rolled\n[m]", "slip", "goal", "spin\n[rad]", "overlap\n[um]",
@@ -138,22 +139,22 @@ def rolling_table(cases: Iterable[Case]) -> Table:
             try:
                 run = case.roll(settings, SECONDS)
             except ModelError as error:
-                shown.add_row(case.words, label, *("",) * 8, warning(str(error)))
+                lines.add_row(case.words, label, *("",) * 8, warning(str(error)))
                 continue
             log, off = run.log, float(np.degrees(run.turned[-1]))
             good = log.slip_ratio <= case.slip and run.distance[-1] <= AWAY and off <= TURNED
-            shown.add_row(
+            lines.add_row(
                 case.words, label, f"{log.rolled.max():.3f}", f"{log.slip_ratio:.1e}",
                 f"<= {case.slip:g}", f"{log.spun.max():.2g}", f"{1e6 * log.penetration:.1f}",
                 f"{log.friction_use:.2f}", f"{1e3 * run.distance[-1]:.3f}", f"{off:.3f}",
                 _verdict(run, good),
             )  # fmt: skip
-    return shown
+    return lines
 
 
 def holding_table(cases: Iterable[Case]) -> Table:
     """How far the object moves while it is held still [mm]."""
-    shown = table(
+    lines = table(
         f"Creep of a static grasp in {SECONDS:g} s [mm]",
         "hand", "goal", *GRASPS, "",
     )  # fmt: skip
@@ -165,23 +166,23 @@ def holding_table(cases: Iterable[Case]) -> Table:
             for run, settings in zip(runs, GRASPS.values(), strict=True)
         ]  # fmt: skip
         good = runs[0].distance.max() <= CREEP
-        shown.add_row(case.words, f"<= {1e3 * CREEP:g}", *cells, _verdict(runs[0], good))
-    return shown
+        lines.add_row(case.words, f"<= {1e3 * CREEP:g}", *cells, _verdict(runs[0], good))
+    return lines
 
 
 def condim_table(cases: Iterable[Case]) -> Table:
     """Slip with torsional and with rolling friction, once along each motion."""
     kinds = {"condim 3": 3, "4, torsion": 4, "6, rolling": 6}
     columns = [f"{what}, {kind}" for kind in kinds for what in ("slip", "away [mm]")]
-    shown = table("The same once along, with other contacts", "hand", *columns)
+    lines = table("The same once along, with other contacts", "hand", *columns)
     for case in cases:
         cells = []
         for condim in kinds.values():
             run = case.roll(replace(RECOMMENDED, condim=condim), PASS)
             away = "lost" if run.lost else f"{1e3 * run.distance.max():.3f}"
             cells += [f"{run.log.slip_ratio:.1e}", away]
-        shown.add_row(case.words, *cells)
-    return shown
+        lines.add_row(case.words, *cells)
+    return lines
 
 
 def _verdict(run: HandRun, good: bool) -> str | Text:

@@ -1,6 +1,6 @@
 """`flatrig bench`: how fast and how accurate, with the goals beside the numbers.
 
-`flatrig bench feedforward` is `bench_feedforward`.
+`flatrig bench feedforward` is `error_against_time`.
 
 Ratios compare two things in one run on one machine: they are timed in turns, and the median over
 the repetitions is taken, so that other load on the machine hits both alike.
@@ -31,16 +31,16 @@ from .accuracy import accuracy_table
 
 SAMPLES = 3001
 MEMORY_LIMIT = 200.0
-"""[MB]"""
+"""Most memory of a solution [MB]."""
 SOLVE_LIMITS = {
     "overhead_crane": 10.0,
     "rotary_crane": 40.0,
     "navy_crane_3d": 150.0,
     "cable_manipulator": 150.0,
 }
-"""For SAMPLES samples [ms]."""
+"""Goals for SAMPLES samples [ms], of some cranes."""
 ONE_SAMPLE_LIMITS = {"overhead_crane": 1.0, "rotary_crane": 1.0}
-"""[ms]"""
+"""Goals for one sample [ms], of some cranes."""
 STEP_LIMIT = 1.35
 """Time of an environment step over that of the same physics in plain MuJoCo."""
 THROUGHPUT_LIMIT = 0.85
@@ -56,9 +56,9 @@ def main(command: options.Bench) -> None:
     """Print all tables; of another topic, those of its module."""
     options.check_number("--repetitions", command.repetitions)
     if command.topic == "feedforward":
-        from . import error_against_time as bench_feedforward
+        from . import error_against_time
 
-        bench_feedforward.main(command)
+        error_against_time.main(command)
         return
     for name in ("rig", "formulation", "scheme", "output", "resume"):
         if getattr(command, name):
@@ -71,7 +71,7 @@ def main(command: options.Bench) -> None:
 
 def feedforward_table(repetitions: int) -> Table:
     """Time and memory of the solver."""
-    shown = table(
+    lines = table(
         "Exact feedforward (first: with the analysis and the branch, which are remembered)",
         "rig", "samples", "first [ms]", "best [ms]", "median [ms]", "goal [ms]",
         "peak [MB]", "goal [MB]", "",
@@ -91,7 +91,7 @@ def feedforward_table(repetitions: int) -> Table:
             (1, one, ONE_SAMPLE_LIMITS.get(name), None),
         ):
             good = (goal is None or timing.median <= goal) and (memory or 0.0) <= MEMORY_LIMIT
-            shown.add_row(
+            lines.add_row(
                 name, str(count), f"{first:.0f}" if count > 1 else "",
                 f"{timing.best:.2f}", f"{timing.median:.2f}",
                 "" if goal is None else f"<= {goal:g}",
@@ -99,7 +99,7 @@ def feedforward_table(repetitions: int) -> Table:
                 "" if memory is None else f"<= {MEMORY_LIMIT:g}",
                 _verdict(good),
             )  # fmt: skip
-    return shown
+    return lines
 
 
 def _first(rig: Rig, reference: Reference, times: Array) -> float:
@@ -113,33 +113,28 @@ def _first(rig: Rig, reference: Reference, times: Array) -> float:
 
 def environment_table(repetitions: int) -> Table:
     """Environments against plain MuJoCo with the same model and the same held inputs."""
-    shown = table(
+    lines = table(
         f"Environments against plain MuJoCo, {STEPS} control periods, medians",
         "", "environment", "plain", "ratio", "goal", "",
     )  # fmt: skip
     for name in ("overhead_crane", "rotary_crane"):
-        rig = models.make(name)
-        step, plain = _single(rig)
-        ours, theirs = _alternate(step, plain, repetitions)
+        ours, theirs = _alternate(*_single(models.make(name)), repetitions)
         ratio = statistics.median(a / b for a, b in zip(ours, theirs, strict=True))
-        unit = 1e6 / STEPS
-        shown.add_row(
-            f"{name}: step against mj_step",
-            f"{unit * statistics.median(ours):.1f} us",
-            f"{unit * statistics.median(theirs):.1f} us",
+        times = (1e6 / STEPS * statistics.median(values) for values in (ours, theirs))
+        lines.add_row(
+            f"{name}: step against mj_step", *(f"{value:.1f} us" for value in times),
             f"{ratio:.2f}", f"<= {STEP_LIMIT:g}", _verdict(ratio <= STEP_LIMIT),
         )  # fmt: skip
     for name in ("overhead_crane", "rotary_crane"):
-        step, plain = _vector(models.make(name))
-        ours, theirs = _alternate(step, plain, repetitions)
+        ours, theirs = _alternate(*_vector(models.make(name)), repetitions)
         ratio = statistics.median(b / a for a, b in zip(ours, theirs, strict=True))
-        speeds = [ENVIRONMENTS * STEPS / statistics.median(values) for values in (ours, theirs)]
-        shown.add_row(
+        speeds = (ENVIRONMENTS * STEPS / statistics.median(values) for values in (ours, theirs))
+        lines.add_row(
             f"{name}: {ENVIRONMENTS} in a vector against mujoco.batch",
-            f"{1e-3 * speeds[0]:.1f} k/s", f"{1e-3 * speeds[1]:.1f} k/s",
+            *(f"{1e-3 * value:.1f} k/s" for value in speeds),
             f"{ratio:.2f}", f">= {THROUGHPUT_LIMIT:g}", _verdict(ratio >= THROUGHPUT_LIMIT),
         )  # fmt: skip
-    return shown
+    return lines
 
 
 def _single(rig: Rig) -> tuple[Callable[[], float], Callable[[], float]]:

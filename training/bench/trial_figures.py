@@ -51,13 +51,10 @@ def case(path: Path, runs: Sequence[Run], name: str) -> None:
         groups["peers, index 1 and ODE"] = peers
     exact = [run for run in mine if run.scheme == EXACT]
     rows = max(len(groups), 1)
-    drawn, axes = plots.figure(
+    figure, axes = plots.figure(
         13.0, 2.0 + 2.3 * rows, nrows=rows, ncols=4, sharex="col", sharey=True, squeeze=False
     )
-    drawn.suptitle(
-        f"{name}: error against cost (star: exact solution; cross: failed)",
-        x=0.012, ha="left", fontsize=11, fontweight="bold",
-    )  # fmt: skip
+    plots.heading(figure, f"{name}: error against cost (star: exact solution; cross: failed)")
     panels: tuple[tuple[Quantity, Cost], ...] = (
         ("coordinates", "seconds"), ("inputs", "seconds"),
         ("coordinates", "steps"), ("inputs", "steps"),
@@ -70,8 +67,8 @@ def case(path: Path, runs: Sequence[Run], name: str) -> None:
     for top, bottom, (quantity, cost) in zip(axes[0], axes[-1], panels, strict=True):
         top.set_title(LABELS[quantity], loc="right", fontsize=9, pad=24)
         bottom.set_xlabel(LABELS[cost])
-    _legend(drawn, {run.scheme for run in mine}, ncols=7)
-    plots.save(drawn, path)
+    _legend(figure, {run.scheme for run in mine}, ncols=7)
+    plots.save(figure, path)
 
 
 def one(path: Path, runs: Sequence[Run], name: str, formulation: str) -> None:
@@ -83,7 +80,7 @@ def one(path: Path, runs: Sequence[Run], name: str, formulation: str) -> None:
         The file cannot be written.
     """
     mine = [run for run in runs if run.case == name and run.scheme]
-    drawn, ax = plots.figure(8.2, 4.6)
+    figure, ax = plots.figure(8.2, 4.6)
     curves(ax, [run for run in mine if run.formulation == formulation], "inputs", "seconds")
     curves(ax, [run for run in mine if run.of_peer], "inputs", "seconds", dashed=True)
     star(ax, [run for run in mine if run.scheme == EXACT], "inputs", "seconds")
@@ -91,8 +88,8 @@ def one(path: Path, runs: Sequence[Run], name: str, formulation: str) -> None:
         ax, f"{name.replace('_', ' ')}: {formulation} (full lines), peers on index 1 (dashed)"
     )
     ax.set(xlabel=LABELS["seconds"], ylabel=LABELS["inputs"])
-    _legend(drawn, {run.scheme for run in mine}, ncols=1, loc="outside right center")
-    plots.save(drawn, path)
+    _legend(figure, {run.scheme for run in mine}, ncols=1, loc="outside right center")
+    plots.save(figure, path)
 
 
 def colours() -> dict[str, str]:
@@ -133,7 +130,7 @@ def star(ax: Any, exact: Sequence[Run], quantity: Quantity, cost: Cost) -> None:
     )  # fmt: skip
 
 
-def _legend(drawn: Any, schemes: set[str], **options: Any) -> None:
+def _legend(figure: Any, schemes: set[str], **options: Any) -> None:
     from matplotlib.lines import Line2D
 
     handles = [
@@ -152,4 +149,4 @@ def _legend(drawn: Any, schemes: set[str], **options: Any) -> None:
     handles.append(
         Line2D([], [], color="#d00000", marker="*", markersize=9, linestyle="", label=EXACT)
     )
-    drawn.legend(handles=handles, **{"loc": "outside lower center", "fontsize": 8} | options)
+    figure.legend(handles=handles, **{"loc": "outside lower center", "fontsize": 8} | options)

@@ -96,7 +96,7 @@ def of_case(case: str, runs: Sequence[Run]) -> Table:
     mine = [run for run in runs if run.case == case]
     own = [run for run in mine if run.scheme in dae.SCHEMES]
     schemes = [name for name in dae.SCHEMES if any(run.scheme == name for run in own)]
-    shown = table(
+    lines = table(
         f"{case}: order of the inputs' error (in theory), its lowest value over the input's "
         "largest, and the time for that; failed runs",
         "formulation", *(name.replace("implicit ", "implicit\n").replace(" rule", "\nrule")
@@ -109,11 +109,11 @@ def of_case(case: str, runs: Sequence[Run]) -> Table:
         for scheme in schemes:
             some = [run for run in own if (run.formulation, run.scheme) == (name, scheme)]
             cells.append(_cell(some, slopes.get((name, scheme))))
-        shown.add_row(f"{name}\n(index {index})", *cells)
+        lines.add_row(f"{name}\n(index {index})", *cells)
     for run in mine:
         if not run.scheme:
-            shown.add_row(f"{run.formulation}\n(does not apply)", *("-" for _ in schemes))
-    return shown
+            lines.add_row(f"{run.formulation}\n(does not apply)", *("-" for _ in schemes))
+    return lines
 
 
 def _cell(some: Sequence[Run], slope: object) -> Text:
@@ -140,7 +140,7 @@ def _number(value: object, form: str) -> str:
 
 def at_printed_steps() -> Table:
     """Implicit Euler and minimal extension along the catalogue's moves, at the source's steps."""
-    shown = table(
+    lines = table(
         "Implicit Euler and minimal extension at the source's steps, catalogue moves: largest "
         "distances from the exact solution",
         "rig", "step [s]", "coordinates [m, rad]", "inputs [N, N m]", "over largest", "steps",
@@ -156,12 +156,12 @@ def at_printed_steps() -> Table:
             truth = solve(rig, reference, found.motion.times)
             coordinates, inputs = errors(found.motion, truth)
             off = abs(found.motion.inputs - truth.inputs).max()
-            shown.add_row(
+            lines.add_row(
                 f"{name}{', massless' if changes else ''}", f"{step:g}", f"{coordinates:.1e}",
                 f"{off:.3g}", f"{inputs:.2%}", str(found.counters.steps), f"{1e3 * seconds:.0f}",
                 "" if found.failure is None else warning(str(found.failure)),
             )  # fmt: skip
-    return shown
+    return lines
 
 
 def against_exact(runs: Sequence[Run]) -> tuple[Table, Table]:
@@ -195,7 +195,7 @@ def against_exact(runs: Sequence[Run]) -> tuple[Table, Table]:
 
 
 def _stepping_row(
-    shown: Table, case: str, exact: float, mine: Sequence[Run], good: Sequence[Run]
+    lines: Table, case: str, exact: float, mine: Sequence[Run], good: Sequence[Run]
 ) -> None:
     precise = exact <= EXACT_GOAL
     error: str | Text = f"{exact:.0e}" if precise else warning(f"{exact:.0e}")
@@ -205,11 +205,11 @@ def _stepping_row(
         best = min(tried, key=lambda run: run.inputs, default=None)
         reached = "no run" if best is None else f"none; best {best.formulation}, {best.scheme}"
         off = "" if best is None else f"{best.inputs:.0e}"
-        shown.add_row(case, error, "", reached, "", off, "", "", f">= {FASTER:g}", "")
+        lines.add_row(case, error, "", reached, "", off, "", "", f">= {FASTER:g}", "")
         return
     run, theirs, ours = found
     ratio = theirs / ours
-    shown.add_row(
+    lines.add_row(
         case, error, f"{ours:.2f}", f"{run.formulation}, {run.scheme}", str(run.steps),
         f"{run.inputs:.0e}", f"{theirs:.0f}", f"{ratio:.0f}", f">= {FASTER:g}",
         "" if ratio >= FASTER and precise else warning("missed"),
@@ -218,7 +218,7 @@ def _stepping_row(
 
 def along_catalogue_moves(cases: Iterable[str]) -> Table:
     """Time stepping along the catalogue's own moves, whose kinks leave every scheme order 1."""
-    shown = table(
+    lines = table(
         "Along the catalogue's own moves, with kinks in the inputs: minimal extension, best of "
         f"{', '.join(KINKED_SCHEMES)} in {KINKED_STEPS[-1]} steps, and what {GOAL:g} would take",
         "rig", "scheme", "error", "order", "[ms]", "exact [ms]", f"steps to {GOAL:g}\n(estimate)",
@@ -228,16 +228,16 @@ def along_catalogue_moves(cases: Iterable[str]) -> Table:
         tried = [_kinked(case, scheme) for scheme in KINKED_SCHEMES]
         ended = [one for one in tried if one is not None]
         if not ended:
-            shown.add_row(case, warning("no run reaches the end"))
+            lines.add_row(case, warning("no run reaches the end"))
             continue
         best = min(ended, key=lambda one: one.error)
         more = (best.error / GOAL) ** (1.0 / best.order) if best.order > 0.0 else math.inf
-        shown.add_row(
+        lines.add_row(
             case, best.scheme, f"{best.error:.0e}", f"{best.order:.2f}",
             f"{1e3 * best.seconds:.0f}", f"{1e3 * best.exact:.1f}",
             f"{more * KINKED_STEPS[-1]:.0e}", f"{more * best.seconds / best.exact:.0e}",
         )  # fmt: skip
-    return shown
+    return lines
 
 
 class _Kinked(NamedTuple):
