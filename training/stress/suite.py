@@ -95,7 +95,7 @@ def run(chosen: Sequence[Case], folder: Path, command: options.Stress) -> list[O
         file=folder / "progress.jsonl",
         resume=command.resume,
         decode=lambda outcome: Outcome(**outcome),
-        identity=lambda case: (case.row, case.label, command.seed),
+        identity=lambda case: (case.row, case.label, case.arguments, command.seed),
     )
     results = sorted(jobs.results(chosen), key=lambda result: result.number)
     return [_outcome(result) for result in results]
