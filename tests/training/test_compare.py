@@ -15,7 +15,7 @@ from flatrig.models.errors import OptionError
 from flatrig.training.cli import main
 from flatrig.training.compare import compare_cranes as compare
 from flatrig.training.compare.contenders import BASE, CONTENDERS, contender, contenders_for
-from flatrig.training.compare.metrics import NAMES, between
+from flatrig.training.compare.metrics import Metrics, between
 from flatrig.training.policy import Card, Policy
 
 RIG = models.overhead_crane()
@@ -76,7 +76,7 @@ def test_a_run_does_not_depend_on_those_before_it(runner: compare.Runner) -> Non
 def test_a_zero_residual_changes_nothing(runner: compare.Runner) -> None:
     base = runner.residual(None)
     zero = runner.residual(zero_policy(runner), 0.2)
-    for name in NAMES:
+    for name in Metrics.__annotations__:
         np.testing.assert_array_equal(getattr(base, name), getattr(zero, name))
     pushed = runner.residual(zero_policy(runner, action=0.3), 0.2)
     assert np.abs(pushed.rmse - base.rmse).max() > 1e-3

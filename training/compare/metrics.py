@@ -5,7 +5,7 @@ load stays where it was while the reference moves on: giving up does not make a 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -75,9 +75,6 @@ class Metrics:
     turn: Array
     """Root mean square angle of a platform from its reference, while the run lasts [rad]; NaN for
     a load."""
-
-
-NAMES = tuple(item.name for item in fields(Metrics))
 
 
 def measure(record: Record) -> Metrics:

@@ -49,11 +49,9 @@ def sample_times(duration: float, rate: float, most: int) -> Array:
 def facts(title: str, rows: Iterable[tuple[str, ...]], *, right: bool = False) -> Table:
     """A table without headings."""
     rows = list(rows)
-    facts = table(title, *[""] * len(rows[0]), right=right)
-    facts.show_header = False
-    for row in rows:
-        facts.add_row(*row)
-    return facts
+    plain = table(title, *[""] * len(rows[0]), rows=rows, right=right)
+    plain.show_header = False
+    return plain
 
 
 def range_cells(values: Array, digits: int = 5) -> tuple[str, ...]:

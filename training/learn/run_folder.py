@@ -162,10 +162,10 @@ def command_line() -> str:
 
 def versions() -> dict[str, str]:
     """Versions of Python and of the packages that a result depends on."""
-    known = {"python": platform.python_version()}
+    numbers = {"python": platform.python_version()}
     for name in PACKAGES:
         try:
-            known[name] = version(name)
+            numbers[name] = version(name)
         except PackageNotFoundError:
-            known[name] = "not installed as a package"
-    return known
+            numbers[name] = "not installed as a package"
+    return numbers
