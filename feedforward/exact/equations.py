@@ -82,7 +82,7 @@ class Equations:
     turning: tuple[tuple[str, int, int], ...]
     """For each turning frame its angle's name and the indices of cosine and sine."""
     orientations: tuple[Orientation, ...]
-    """Of the platforms."""
+    """Directors of each platform."""
     spans: tuple[tuple[int, ...], ...]
     """For each rope the indices of the constraints of its spans."""
     span_lengths: tuple[Array, ...]

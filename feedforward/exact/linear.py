@@ -97,6 +97,6 @@ def least_norm(
     wrong = np.abs(np.einsum("nij,jn->in", stack, shortest) - goal).max(axis=0)
     size = np.abs(shortest).max(axis=0) + np.abs(goal).max(axis=0)
     unsolved[weak] = ~(wrong <= CONSISTENT * size)
-    found = values.copy()
-    found[:, weak] = shortest
-    return found, unsolved
+    result = values.copy()
+    result[:, weak] = shortest
+    return result, unsolved

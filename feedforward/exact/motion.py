@@ -17,9 +17,9 @@ class Slack(NamedTuple):
 
     rope: str
     start: float
-    """[s]"""
+    """When the tension becomes negative [s]."""
     end: float
-    """[s]"""
+    """When it is positive again [s]."""
     lowest: float
     """Lowest tension in it [N]."""
 
@@ -40,17 +40,17 @@ class Motion:
 
     rig: Rig
     times: Array
-    """[s], shape (N,)."""
+    """Instants [s], shape (N,)."""
     coordinate_names: tuple[str, ...]
     """Columns of `positions`: those of `Rig.coordinate_names`, then auxiliary ones."""
     positions: Array
-    """[m] or [rad], shape (N, coordinates)."""
+    """Coordinates [m] or [rad], shape (N, coordinates)."""
     velocities: Array
-    """[m/s] or [rad/s], shape (N, coordinates)."""
+    """Their rates [m/s] or [rad/s], shape (N, coordinates)."""
     accelerations: Array
-    """[m/s2] or [rad/s2], shape (N, coordinates)."""
+    """Their second derivatives [m/s2] or [rad/s2], shape (N, coordinates)."""
     inputs: Array
-    """[N] or [N m], shape (N, inputs), columns `Rig.input_names`."""
+    """Inputs [N] or [N m], shape (N, inputs), columns `Rig.input_names`."""
     tensions: Array
     """Where a rope leaves its winch [N], shape (N, ropes), columns `Rig.rope_names`; > 0, since a
     rope can only pull."""
@@ -75,7 +75,7 @@ class Motion:
 
     @property
     def rope_lengths(self) -> Array:
-        """[m], shape (N, ropes), columns `Rig.rope_names`."""
+        """Lengths of the ropes [m], shape (N, ropes), columns `Rig.rope_names`."""
         return self.positions[:, [self.column(rope.coordinate) for rope in self.rig.ropes]]
 
     @property
@@ -142,7 +142,7 @@ ROUNDING = 1e-12
 
 def find_slack(rig: Rig, times: Array, tensions: Array) -> tuple[Slack, ...]:
     """Intervals of tensions (N, ropes) that are negative, their ends interpolated."""
-    found = []
+    intervals = []
     order = np.argsort(times, kind="stable")
     times, tensions = times[order], tensions[order]
     least = ROUNDING * np.abs(tensions).max(initial=0.0)
@@ -152,8 +152,8 @@ def find_slack(rig: Rig, times: Array, tensions: Array) -> tuple[Slack, ...]:
         last = (np.flatnonzero(~loose[1:] & loose[:-1]) - 1).tolist()
         for i, k in zip(first, last, strict=True):
             start, end = _crossing(times, tension, i, i - 1), _crossing(times, tension, k, k + 1)
-            found.append(Slack(rope, start, end, float(tension[i : k + 1].min())))
-    return tuple(found)
+            intervals.append(Slack(rope, start, end, float(tension[i : k + 1].min())))
+    return tuple(intervals)
 
 
 def _crossing(times: Array, tension: Array, inside: int, outside: int) -> float:

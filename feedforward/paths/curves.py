@@ -146,7 +146,7 @@ class CurvedPath(ReferencePath):
 
     curve: Curve
     duration: float
-    """[s]"""
+    """When the goal is reached [s]."""
     profile: Profile
 
     def __post_init__(self) -> None:

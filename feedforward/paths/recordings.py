@@ -56,7 +56,7 @@ class SampledPath(ReferencePath):
     """
 
     times: tuple[float, ...]
-    """Of the points [s]; the path's own time starts at the first."""
+    """Times of the points [s]; the path's own time starts at the first."""
     points: tuple[tuple[float, ...], ...]
     """One row of coordinates for each time."""
     order: int = 4

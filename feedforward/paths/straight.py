@@ -31,7 +31,7 @@ class StraightPath(ReferencePath):
     begin: tuple[float, ...]
     end: tuple[float, ...]
     duration: float
-    """[s]"""
+    """When the goal is reached [s]."""
     profile: Profile
 
     def __post_init__(self) -> None:

@@ -109,7 +109,7 @@ class Bisected(ReferencePath):
 
     @property
     def duration(self) -> float:
-        """[s]"""
+        """When the goal is reached [s]."""
         return self.load.duration
 
     @property

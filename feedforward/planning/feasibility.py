@@ -40,7 +40,7 @@ class Sizing:
 
     drive: str
     unit: str
-    """Of the input: "N m" on what turns, a winch's drum too, and "N" on what slides."""
+    """Unit of the input: "N m" on what turns, a winch's drum too, and "N" on what slides."""
     limit: float
     """Largest input of the drive [unit]."""
     largest: float
@@ -229,18 +229,18 @@ def _sizing(motion: Motion, i: int) -> Sizing:
 
 def _off_rails(motion: Motion) -> list[str]:
     """A sentence for each trolley that leaves its rail, at its furthest place."""
-    found = []
+    sentences = []
     for trolley in motion.rig.trolleys:
         rail = motion.rig.rail(trolley.rail)
         place = motion.positions[:, motion.column(trolley.coordinate)]
         beyond = np.maximum(rail.start - place, place - rail.end)
         i = int(beyond.argmax())
         if beyond[i] > RAIL_TOLERANCE:
-            found.append(
+            sentences.append(
                 f"{trolley.name} would be at {place[i]:.4g} m at {motion.times[i]:.4g} s, "
                 f"rail {rail.name} goes from {rail.start:g} m to {rail.end:g} m"
             )
-    return found
+    return sentences
 
 
 def _slack_at_rest(motion: Motion) -> list[str]:

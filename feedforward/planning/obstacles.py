@@ -53,9 +53,9 @@ class Sphere:
 
     name: str
     centre: tuple[float, float, float]
-    """[m]"""
+    """Centre (x, y, z) in the world [m]."""
     radius: float
-    """[m]"""
+    """Radius [m]."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "centre", _three(f"centre of {self.name}", self.centre))
@@ -129,9 +129,9 @@ class Clearance:
     """The closest that a move comes to an obstacle."""
 
     distance: float
-    """[m], negative where they overlap."""
+    """Smallest distance [m], negative where they overlap."""
     time: float
-    """[s]"""
+    """When it is that small [s]."""
     part: str
     """The load, platform or "rope NAME" that is closest."""
     obstacle: str

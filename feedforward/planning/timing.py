@@ -53,7 +53,7 @@ class Scaled(ReferencePath):
 
     path: Reference
     duration: float
-    """[s]"""
+    """When the goal is reached [s]."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "duration", check_duration(self.duration))
@@ -92,7 +92,7 @@ class Shortest:
     """The shortest duration found, and what forbids a shorter one."""
 
     duration: float
-    """[s]"""
+    """The shortest duration [s]."""
     reference: Reference
     """The path in that time."""
     limited_by: str
@@ -108,7 +108,7 @@ class _Tightest(NamedTuple):
     """Relative to the rig's weight or the input's bound."""
     name: str
     when: float
-    """[s]"""
+    """At what time of the move [s]."""
     reason: str
 
 

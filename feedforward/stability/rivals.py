@@ -43,12 +43,12 @@ def rivals(regulator: Regulator, starts: int = 48, seed: int = 0) -> Array:
 
     draw = np.random.default_rng(seed)
     wide = np.where([name in angles for name in names], 0.0, size)
-    found: list[float] = []
+    levels: list[float] = []
     for _ in range(starts):
         solution = root(slope, rest + wide * draw.uniform(-2.0, 2.0, len(rest)), tol=1e-10)
         level = float(potential(np.atleast_2d(solution.x))[0])
         away = abs(level) > BALANCED * rig.weight * size  # not the set point by other angles
-        known = np.isclose(level, found, rtol=1e-3, atol=0.0).any()
+        known = np.isclose(level, levels, rtol=1e-3, atol=0.0).any()
         if np.abs(solution.fun).max() < BALANCED and away and not known:
-            found.append(level)
-    return np.sort(found)
+            levels.append(level)
+    return np.sort(levels)
