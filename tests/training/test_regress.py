@@ -11,6 +11,7 @@ from flatrig import models
 from flatrig.models import OptionError
 from flatrig.models.mjcf import rig_model as mjcf
 from flatrig.training import cli
+from flatrig.training.bench import accuracy
 from flatrig.training.regress import baseline
 from flatrig.training.regress import regression as regress
 from flatrig.training.regress.row import Row
@@ -181,3 +182,16 @@ def test_a_run_that_breaks_down_is_infinite(tmp_path):
     (_, line) = (tmp_path / "rows.csv").read_text().splitlines()
     assert line.startswith("overhead_crane,RK4,0.01,inf,inf,")
     assert line.endswith(",,")
+
+
+def test_a_crane_that_is_registered_has_rows_by_itself(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(models.CATALOGUE, "_entries", dict(models.CATALOGUE._entries))
+
+    @models.CATALOGUE.add(move=models.default_move("overhead_crane"))
+    def wall_crane():
+        return dataclasses.replace(models.overhead_crane(), name="wall_crane")
+
+    assert "wall_crane" in {case.label for case in accuracy.cases()}
+    arguments = ["regress", "wall", "-o", str(tmp_path)]
+    assert cli.main(arguments) == 0
+    assert "20 numbers of wall_crane have no stored ones; --update" in capsys.readouterr().out
