@@ -9,7 +9,7 @@
     env = envs.PoseFeedback(envs.Feedforward(envs.PD(env)))
 
 Importing this package registers them; `flatrig.envs.crane.task` documents the options of cranes,
-`flatrig.envs.hand.task` those of hands.  `flatrig.envs.controllers` shows a controller of one's own
+`flatrig.envs.hand.task` those of hands.  `flatrig.envs.laws` shows a controller of one's own
 (`Law`, `wrap`, `task_of`), `flatrig.envs.ranges` a disturbance of one's own.
 """
 
@@ -17,7 +17,7 @@ import gymnasium as gym
 
 from ..models import CATALOGUE, HAND_CATALOGUE
 from .common import Range
-from .controllers import PD, Feedforward, Law, Residual, task_of, wrap
+from .controllers import PD, Feedforward, Residual
 from .crane.disturbances import Disturbances, Scenario, design
 from .crane.env import CraneEnv, CraneVectorEnv
 from .crane.friction_compensation import FrictionCompensation
@@ -29,6 +29,7 @@ from .hand.env import HandEnv, HandVectorEnv
 from .hand.goals import RandomGoals
 from .hand.pose_controller import PoseFeedback
 from .hand.task import HandTask
+from .laws import Law, task_of, wrap
 from .ranges import quantity
 
 __all__ = [

@@ -20,7 +20,7 @@ from ...models.errors import OptionError, did_you_mean
 from ...models.friction import Friction
 from ...models.rig.rig import Frame, Rope, Trolley
 from ...models.types import Array
-from ..controllers import AnyEnv, Law, refuse_below, task_of, wrap
+from ..laws import AnyEnv, Law, refuse_below, task_of, wrap
 from .task import CraneTask
 
 Speed = Literal["reference", "measured"]

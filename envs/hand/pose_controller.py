@@ -18,7 +18,8 @@ import numpy as np
 
 from ...models.errors import OptionError
 from ...models.types import Array
-from ..controllers import AnyEnv, Law, PDLaw, laws_of, refuse_below, task_of, wrap
+from ..controllers import PDLaw
+from ..laws import AnyEnv, Law, laws_of, refuse_below, task_of, wrap
 from .plan import slide_drives
 from .task import HandTask
 

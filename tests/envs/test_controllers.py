@@ -6,8 +6,8 @@ import pytest
 
 import flatrig.envs as envs
 from flatrig import feedforward, models
-from flatrig.envs.controllers import task_of
 from flatrig.envs.crane.tuning import gains_of, inertias
+from flatrig.envs.laws import task_of
 from flatrig.feedforward import hold
 from flatrig.models.friction import Friction
 

@@ -1,0 +1,159 @@
+"""What a controller is: a law in front of an environment, single or vector.
+
+A controller of one's own is a `Law`, for n simulations at once, and a function that wraps an
+environment, single or vector, in it:
+
+    class Damping(envs.Law):
+        name = "damped"
+
+        def __init__(self, task, share):
+            self.task, self.share = task, share
+
+        def apply(self, actions):
+            return actions - self.share * self.task.encoders.rates
+
+    def damped(env, share=0.1):
+        return envs.wrap(env, Damping(envs.task_of(env), share), share=share)
+
+It reads what is measured off `task.encoders`, and what is planned off `task.rows`.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import gymnasium as gym
+from gymnasium.envs.registration import EnvSpec, WrapperSpec
+from gymnasium.vector import VectorEnv, VectorWrapper
+from numpy.typing import ArrayLike
+
+from ..models.errors import OptionError
+from ..models.types import Array
+from .episodes import AnyTask, Task
+from .option_checks import actions_of
+
+AnyEnv = gym.Env[Any, Any] | VectorEnv[Any, Any, Any]
+
+
+class Law(ABC):
+    """What a controller does with the actions for n simulations; see the module for an example."""
+
+    name: str
+    """Name of the function, in the same module, that wraps an environment in it."""
+    topmost = False
+    """Whether it clips and scales what comes from above, so that nothing may stand there."""
+
+    @abstractmethod
+    def apply(self, actions: Array) -> Array:
+        """Actions to hand down, (n, drives), from those from above."""
+
+    def holding(self) -> Array | None:
+        """The part of it that holds the plant at rest, (n, drives) over the limits, if any."""
+        return None
+
+
+class Controller(gym.Wrapper[Any, Any, Any, Any]):
+    """A law in front of a single environment; `options` make the same controller again."""
+
+    def __init__(
+        self, env: gym.Env[Any, Any], law: Law, options: Mapping[str, Any] | None = None
+    ) -> None:
+        super().__init__(env)
+        self.law, self._options = law, dict(options or {})
+        self._shape = task_of(env).limits.shape
+
+    @property
+    def spec(self) -> EnvSpec | None:  # type: ignore[override]
+        """What `gym.make` makes an environment with the same controllers of."""
+        return _spec_with(self.env.spec, self.law, self._options)
+
+    def step(self, action: ArrayLike) -> Any:
+        """Hand down what the law makes of the action."""
+        return self.env.step(self.law.apply(actions_of(action, self._shape)[None])[0])
+
+
+class VectorController(VectorWrapper[Any, Any, Any, Any, Any]):
+    """A law in front of a vector environment; `options` make the same controller again."""
+
+    def __init__(
+        self, env: VectorEnv[Any, Any, Any], law: Law, options: Mapping[str, Any] | None = None
+    ) -> None:
+        super().__init__(env)
+        self.law, self._options = law, dict(options or {})
+        task = task_of(env)
+        self._shape = (task.num, *task.limits.shape)
+
+    @property
+    def spec(self) -> EnvSpec | None:  # type: ignore[override]
+        """The environment's, with the controllers, which `gym.make_vec` leaves to its caller."""
+        return _spec_with(self.env.spec, self.law, self._options)
+
+    def step(self, actions: ArrayLike) -> Any:
+        """Hand down what the law makes of the actions."""
+        return self.env.step(self.law.apply(actions_of(actions, self._shape)))
+
+
+def _spec_with(below: EnvSpec | None, law: Law, options: dict[str, Any]) -> EnvSpec | None:
+    """The spec of what is below a controller, with the controller."""
+    if below is None:
+        return None
+    wrapper = WrapperSpec(law.name, f"{type(law).__module__}:{law.name}", options)
+    return replace(below, additional_wrappers=(*below.additional_wrappers, wrapper))
+
+
+def task_of(env: AnyEnv) -> AnyTask:
+    """The task below all wrappers.
+
+    Raises
+    ------
+    OptionError
+        There is none: `env` is neither a crane nor a hand.
+    """
+    task = getattr(getattr(env, "unwrapped", None), "task", None)
+    if not isinstance(task, Task):
+        raise OptionError(f"{env} is not an environment of flatrig")
+    return task
+
+
+def wrap(env: AnyEnv, law: Law, **options: Any) -> Controller | VectorController:
+    """Put a law in front of an environment.
+
+    Parameters
+    ----------
+    env
+        A crane or hand, single or vector, wrapped or not.
+    law
+        What the controller does.
+    **options
+        With which the function of the law's name makes the same controller again; they go into
+        the `spec`, and are plain values where that is to be saved.
+
+    Raises
+    ------
+    OptionError
+        `env` is neither a crane nor a hand.
+    """
+    if isinstance(env, VectorEnv):
+        return VectorController(env, law, options)
+    return Controller(env, law, options)
+
+
+def laws_of(env: AnyEnv) -> Iterator[Law]:
+    """Those of the controllers in an environment, from the top."""
+    layer: Any = env
+    while layer is not layer.unwrapped:
+        if isinstance(layer, Controller | VectorController):
+            yield layer.law
+        layer = layer.env
+
+
+def refuse_below(env: AnyEnv, name: str) -> None:
+    """Nothing is added twice, and nothing above a residual, which would clip and scale it."""
+    for law in laws_of(env):
+        if law.name == name:
+            raise OptionError(f"{name} stands below already, it must be there once")
+        if law.topmost:
+            raise OptionError(
+                f"{name} above {law.name} would be clipped and scaled; put {law.name} on top"
+            )
