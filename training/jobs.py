@@ -226,24 +226,24 @@ class Jobs(Generic[Item, Value]):
         """Values by key that the file has kept; whatever else is in it goes."""
         if self.file is None:
             return {}
-        kept = _read(self.file) if self.resume else {}
-        entries = [{"sources": sources()}, *({"key": k, "value": kept[k]} for k in kept)]
+        stored = _read(self.file) if self.resume else {}
+        entries = [{"sources": sources()}, *({"key": k, "value": stored[k]} for k in stored)]
         write_text(self.file, "".join(map(_line, entries)))
-        return kept
+        return stored
 
 
 def _read(file: Path) -> dict[str, Any]:
     """Values by key that the present sources have made."""
-    kept: dict[str, Any] = {}
+    stored: dict[str, Any] = {}
     try:
         with file.open(encoding="utf-8") as lines:
             if json.loads(next(lines, "")) == {"sources": sources()}:
                 for line in lines:
                     entry = json.loads(line)
-                    kept[entry["key"]] = entry["value"]
+                    stored[entry["key"]] = entry["value"]
     except (OSError, ValueError):  # no file, another's, or a last line that was cut off
         pass
-    return kept
+    return stored
 
 
 def _append(file: Path, entry: dict[str, Any]) -> None:
@@ -261,8 +261,8 @@ def _line(entry: dict[str, Any]) -> str:
 @cache
 def sources() -> str:
     """Hash of the package's sources and of the versions of what they compute with."""
-    found = hashlib.sha256(repr([version(library) for library in LIBRARIES]).encode())
+    digest = hashlib.sha256(repr([version(library) for library in LIBRARIES]).encode())
     for room in ROOMS:
         for path in sorted((PACKAGE / room).rglob("*.py")):
-            found.update(str(path.relative_to(PACKAGE)).encode() + path.read_bytes())
-    return found.hexdigest()[:16]
+            digest.update(str(path.relative_to(PACKAGE)).encode() + path.read_bytes())
+    return digest.hexdigest()[:16]

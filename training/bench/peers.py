@@ -71,9 +71,9 @@ class Problem:
     @cached_property
     def equations(self) -> Repeated:
         """The formulation."""
-        made = formulation(self.rig, self.name)
-        assert isinstance(made, Repeated)
-        return made
+        equations = formulation(self.rig, self.name)
+        assert isinstance(equations, Repeated)
+        return equations
 
     @cached_property
     def start(self) -> Array:
@@ -140,14 +140,14 @@ def _scipy(method: str) -> Callable[[Problem, float], Run]:
         def run() -> Solved:
             span = (0.0, problem.reference.duration)
             try:
-                found = solve_ivp(
+                solution = solve_ivp(
                     problem.rate, span, problem.start, method, rtol=tolerance, atol=tolerance
                 )
             except ValueError as error:  # a singular matrix, or values beyond all bounds
                 raise PeerError(str(error)) from None
-            if not found.success:
-                raise PeerError(str(found.message))
-            return Solved(found.t, found.y.T, len(found.t) - 1)
+            if not solution.success:
+                raise PeerError(str(solution.message))
+            return Solved(solution.t, solution.y.T, len(solution.t) - 1)
 
         return run
 
@@ -170,12 +170,12 @@ def _ida(problem: Problem, tolerance: float) -> Run:
             residual, jacfn=jacobian, algebraic_idx=np.arange(len(start)),
             rtol=tolerance, atol=tolerance, max_num_steps=MOST_STEPS,
         )  # fmt: skip
-        found = solver.solve(
+        solution = solver.solve(
             np.array([0.0, problem.reference.duration]), start, np.zeros_like(start)
         )
-        if not found.success:
-            raise PeerError(str(found.message))
-        return Solved(found.t, found.y, len(found.t) - 1)
+        if not solution.success:
+            raise PeerError(str(solution.message))
+        return Solved(solution.t, solution.y, len(solution.t) - 1)
 
     return run
 
@@ -193,10 +193,10 @@ def _idas(problem: Problem, tolerance: float) -> Run:
 
     def run() -> Solved:
         try:
-            found = solver(x0=0.0, z0=problem.start)
+            solution = solver(x0=0.0, z0=problem.start)
         except RuntimeError as error:
             raise PeerError(_last_words(error)) from None
-        unknowns = np.vstack((problem.start, np.array(found["zf"]).T))
+        unknowns = np.vstack((problem.start, np.array(solution["zf"]).T))
         return Solved(times, unknowns, int(solver.stats().get("nsteps", count)))
 
     return run

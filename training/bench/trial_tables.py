@@ -42,16 +42,16 @@ ORDERS = (
 )  # fmt: skip
 
 
-def measured_order(counts: Sequence[int], found: Sequence[float]) -> float:
+def measured_order(counts: Sequence[int], sizes: Sequence[float]) -> float:
     """Order of convergence from errors at numbers of steps: the slope where it has settled.
 
     That is the last of two neighbouring slopes that agree, and are not those of rounding errors;
     not a number if none do.
     """
     slopes = [
-        measured_slope(counts[i : i + 2], found[i : i + 2])
+        measured_slope(counts[i : i + 2], sizes[i : i + 2])
         for i in range(len(counts) - 1)
-        if found[i] > 0.0 and found[i + 1] > 0.0
+        if sizes[i] > 0.0 and sizes[i + 1] > 0.0
     ]
     settled = [
         later
@@ -121,17 +121,17 @@ def _cell(some: Sequence[Run], slope: object) -> Text:
     tried = [run for run in some if not run.failure.startswith("not run")]
     good = [run for run in tried if not run.failure]
     failed = len(tried) - len(good)
-    made = Text()
+    cell = Text()
     if good:
         exact = math.isinf(good[0].input_order)
         best = min(good, key=lambda run: run.seconds if exact else run.inputs)
         theory = f"({best.input_order:g})".replace("(inf)", "exact")
         measured = "" if exact else _number(slope, ".2f") + " "
-        made.append(f"{measured}{theory}\n{best.inputs:.0e}\n{1e3 * best.seconds:.0f} ms")
+        cell.append(f"{measured}{theory}\n{best.inputs:.0e}\n{1e3 * best.seconds:.0f} ms")
     if failed:
-        made.append("\n" if good else "")
-        made.append_text(warning(f"{failed} of {len(tried)}\nfailed"))
-    return made
+        cell.append("\n" if good else "")
+        cell.append_text(warning(f"{failed} of {len(tried)}\nfailed"))
+    return cell
 
 
 def _number(value: object, form: str) -> str:
@@ -151,15 +151,16 @@ def at_printed_steps() -> Table:
         reference = from_move(default_move(rig))
         for step in steps:
             begin = time.perf_counter()
-            found = dae.integrate(rig, reference, step=step)
+            integration = dae.integrate(rig, reference, step=step)
             seconds = time.perf_counter() - begin
-            truth = solve(rig, reference, found.motion.times)
-            coordinates, inputs = errors(found.motion, truth)
-            off = abs(found.motion.inputs - truth.inputs).max()
+            truth = solve(rig, reference, integration.motion.times)
+            coordinates, inputs = errors(integration.motion, truth)
+            off = abs(integration.motion.inputs - truth.inputs).max()
             lines.add_row(
                 f"{name}{', massless' if changes else ''}", f"{step:g}", f"{coordinates:.1e}",
-                f"{off:.3g}", f"{inputs:.2%}", str(found.counters.steps), f"{1e3 * seconds:.0f}",
-                "" if found.failure is None else warning(str(found.failure)),
+                f"{off:.3g}", f"{inputs:.2%}", str(integration.counters.steps),
+                f"{1e3 * seconds:.0f}",
+                "" if integration.failure is None else warning(str(integration.failure)),
             )  # fmt: skip
     return lines
 
@@ -199,15 +200,15 @@ def _stepping_row(
 ) -> None:
     precise = exact <= EXACT_GOAL
     error: str | Text = f"{exact:.0e}" if precise else warning(f"{exact:.0e}")
-    found = _timed(good)
-    if found is None:
+    fastest = _timed(good)
+    if fastest is None:
         tried = [run for run in mine if run.index > 1 and run.inputs < math.inf]
         best = min(tried, key=lambda run: run.inputs, default=None)
         reached = "no run" if best is None else f"none; best {best.formulation}, {best.scheme}"
         off = "" if best is None else f"{best.inputs:.0e}"
         lines.add_row(case, error, "", reached, "", off, "", "", f">= {FASTER:g}", "")
         return
-    run, theirs, ours = found
+    run, theirs, ours = fastest
     ratio = theirs / ours
     lines.add_row(
         case, error, f"{ours:.2f}", f"{run.formulation}, {run.scheme}", str(run.steps),
@@ -260,20 +261,20 @@ def _kinked(case: str, scheme: str) -> _Kinked | None:
     off: list[float] = []
     for count in KINKED_STEPS:
         begin = time.perf_counter()
-        found = dae.integrate(rig, reference, step=reference.duration / count, scheme=scheme)
+        integration = dae.integrate(rig, reference, step=reference.duration / count, scheme=scheme)
         middle = time.perf_counter()
-        truth = solve(rig, reference, found.motion.times)
+        truth = solve(rig, reference, integration.motion.times)
         end = time.perf_counter()
-        if found.failure is not None:
+        if integration.failure is not None:
             return None
-        off.append(errors(found.motion, truth)[1])
+        off.append(errors(integration.motion, truth)[1])
     order = measured_slope(KINKED_STEPS, off)
     return _Kinked(scheme, off[-1], order, middle - begin, end - middle)
 
 
-def measured_slope(counts: Sequence[int], found: Sequence[float]) -> float:
+def measured_slope(counts: Sequence[int], sizes: Sequence[float]) -> float:
     """Order between two numbers of steps."""
-    return math.log(found[0] / found[1]) / math.log(counts[1] / counts[0])
+    return math.log(sizes[0] / sizes[1]) / math.log(counts[1] / counts[0])
 
 
 def _timed(candidates: Sequence[Run]) -> tuple[Run, float, float] | None:

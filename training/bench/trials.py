@@ -140,12 +140,12 @@ class Run:
 BY_NAME: dict[str, Peer] = {peer.name: peer for peer in PEERS}
 
 
-def errors(found: Motion, truth: Motion) -> tuple[float, float]:
+def errors(motion: Motion, truth: Motion) -> tuple[float, float]:
     """Largest errors of coordinates [m, rad] and of inputs (relative)."""
-    off = np.abs(found.inputs - truth.inputs).max(axis=0)
+    off = np.abs(motion.inputs - truth.inputs).max(axis=0)
     size = np.abs(truth.inputs).max(axis=0)
     relative = off / np.where(size > NEGLIGIBLE, size, 1.0)
-    return float(np.abs(found.positions - truth.positions).max()), float(relative.max())
+    return float(np.abs(motion.positions - truth.positions).max()), float(relative.max())
 
 
 def callable_of(trial: Trial, times: Array | None = None) -> Callable[[], Motion]:
@@ -197,15 +197,15 @@ class Unit(NamedTuple):
         reason = dae.why_not(CASES[self.case].rig, self.name)
         if reason:
             return [Run(self.case, self.name, "", 0, 0.0, 0, failure=reason)]
-        found: list[Run] = []
+        runs: list[Run] = []
         for scheme in self.schemes:
             bare = Trial(self.case, self.name, scheme)
             integrate(bare._replace(number=4))  # builds and remembers the equations
-            found += _ladder([bare._replace(number=count) for count in COUNTS], _own, 2.0)
+            runs += _ladder([bare._replace(number=count) for count in COUNTS], _own, 2.0)
             if dae.scheme(scheme).estimates:
                 some = [bare._replace(tolerance=tolerance) for tolerance in TOLERANCES]
-                found += _ladder(some, _own, HARDER)
-        return found
+                runs += _ladder(some, _own, HARDER)
+        return runs
 
     def _of_peer(self) -> list[Run]:
         case, peer = CASES[self.case], BY_NAME[self.name]
@@ -217,19 +217,19 @@ class Unit(NamedTuple):
 
 def _ladder(trials: list[Trial], measure: Callable[[Trial], Run], harder: float) -> list[Run]:
     """Runs from the coarsest to the finest, as long as each is expected to end in time."""
-    found: list[Run] = []
+    runs: list[Run] = []
     expected = 0.0
     for trial in trials:
         if expected > LONGEST:
             reason = f"not run: would take more than {LONGEST:g} s"
-            found.append(Run(*trial, found[-1].index, failure=reason))
+            runs.append(Run(*trial, runs[-1].index, failure=reason))
         else:
             begin = time.process_time()
-            found.append(measure(trial))
+            runs.append(measure(trial))
             spent = time.process_time() - begin
             # Without what a peer prepares, or the exact solution of the same instants.
-            expected = harder * min(spent, found[-1].seconds)
-    return found
+            expected = harder * min(spent, runs[-1].seconds)
+    return runs
 
 
 def _exact(trial: Trial) -> Run:
@@ -257,7 +257,7 @@ def _own(trial: Trial) -> Run:
     begin = time.perf_counter()
     try:
         with limited(STOPPED):
-            found = integrate(trial)
+            integration = integrate(trial)
     except TimeoutError:
         reason = f"stopped after {STOPPED:g} s"
         return Run(
@@ -266,13 +266,13 @@ def _own(trial: Trial) -> Run:
         )  # fmt: skip
     seconds = time.perf_counter() - begin
     off = (math.nan, math.nan)
-    if found.failure is None:
-        off = errors(found.motion, solve(case.rig, case.reference, found.motion.times))
-    cost = found.counters
+    if integration.failure is None:
+        off = errors(integration.motion, solve(case.rig, case.reference, integration.motion.times))
+    cost = integration.counters
     return Run(
         *trial, index, cost.steps, seconds, *off, theory.positions, theory.inputs,
         cost.rejected, cost.iterations, cost.evaluations, cost.jacobians, cost.factorisations,
-        "" if found.failure is None else str(found.failure),
+        "" if integration.failure is None else str(integration.failure),
     )  # fmt: skip
 
 

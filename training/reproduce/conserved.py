@@ -84,12 +84,12 @@ def measure(
     runs = []
     for scheme in schemes:
         for count in counts:
-            found = integrate(scheme, system, start.q, start.v, duration=duration, steps=count)
-            if found.failure is None:
-                states = list(zip(found.q, found.v, strict=True))
+            run = integrate(scheme, system, start.q, start.v, duration=duration, steps=count)
+            if run.failure is None:
+                states = list(zip(run.q, run.v, strict=True))
                 energy = np.array([system.energy(*state) for state in states])
                 moment = np.array([system.angular_momentum(*state)[2] for state in states])
-                error = float(np.linalg.norm(_load(system, found.q[-1]) - goal))
+                error = float(np.linalg.norm(_load(system, run.q[-1]) - goal))
                 change = float(np.abs(energy - energy[0]).max())
                 lost = float(np.abs(moment / moment[0] - 1).max())
                 runs.append(Kept(scheme.name, duration / count, change, lost, error))
@@ -103,11 +103,11 @@ def in_mujoco(counts: Sequence[int] = COUNTS) -> list[Kept]:
 
 def orders(runs: Sequence[Kept]) -> dict[str, float]:
     """Measured order of each method, from its two coarsest steps."""
-    found = {}
+    measured = {}
     for name in dict.fromkeys(run.method for run in runs):
         coarse, fine = [run for run in runs if run.method == name][:2]
-        found[name] = float(np.log(coarse.error / fine.error) / np.log(coarse.step / fine.step))
-    return found
+        measured[name] = float(np.log(coarse.error / fine.error) / np.log(coarse.step / fine.step))
+    return measured
 
 
 @cache
