@@ -110,7 +110,7 @@ class CraneTask(Task[CranePlan, Scenario]):
 
     def gains(self, track: Track = "moving") -> Gains:
         """Gains of a PD controller, see `flatrig.envs.crane.tuning`."""
-        return gains_of(self, track)
+        return gains_of(self.plant, track)
 
     def looks(self) -> mujoco.MjModel:
         """The model with everything that is drawn."""

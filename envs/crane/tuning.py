@@ -21,17 +21,13 @@ and nothing is left for a third period of delay.  Towards a fixed set point erro
 of the whole move, and lower frequencies with more damping swing least.
 """
 
-from typing import TYPE_CHECKING
-
 import mujoco
 import numpy as np
 
 from ...models.rig.rig import Frame, Rope, Trolley
 from ...models.types import Array
 from ..gains import Gains, Track
-
-if TYPE_CHECKING:
-    from .task import CraneTask
+from .plant import Plant
 
 TUNING: dict[Track, dict[type, tuple[float, float]]] = {
     "moving": {Rope: (5.5, 0.5), Trolley: (10.0, 0.7), Frame: (3.0, 0.7)},
@@ -44,25 +40,25 @@ COMMON: dict[Track, float] = {"moving": 3.0, "set point": 2.0}
 of delay.  Set point: a roped trolley that is asked to go 5 m at once keeps its ropes taut."""
 
 
-def gains_of(task: "CraneTask", track: Track = "moving") -> Gains:
-    """Gains for the drives of a task's rig."""
-    kinds = [type(task.rig.driven(drive)) for drive in task.rig.drives]
+def gains_of(plant: Plant, track: Track = "moving") -> Gains:
+    """Gains for the drives of a plant's rig."""
+    kinds = [type(plant.rig.driven(drive)) for drive in plant.rig.drives]
     frequency, ratio = np.array([TUNING[track][kind] for kind in kinds]).T
-    inertia, quickest = _inertias(task)
+    inertia, quickest = _inertias(plant)
     inertia *= min(1.0, COMMON[track] * quickest)
     return Gains(frequency**2 * inertia, 2.0 * ratio * frequency * inertia)
 
 
-def inertias(task: "CraneTask") -> Array:
+def inertias(plant: Plant) -> Array:
     """Input per acceleration of each drive's own coordinate at home, (drives,)."""
-    return _inertias(task)[0]
+    return _inertias(plant)[0]
 
 
-def _inertias(task: "CraneTask") -> tuple[Array, float]:
+def _inertias(plant: Plant) -> tuple[Array, float]:
     """The same, and the smallest eigenvalue of their matrix with its diagonal scaled to 1."""
-    model = task.plant.model
+    model = plant.model
     data = mujoco.MjData(model)
-    data.qpos[:] = task.plant.home
+    data.qpos[:] = plant.home
     mujoco.mj_forward(model, data)
     mass = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, mass)

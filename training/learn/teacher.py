@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from ...envs.crane.tuning import gains_of
 from ...feedforward import Reference
 from ...models.types import Array
 from .statics import drive_jacobian
@@ -34,7 +33,7 @@ class Teacher:
         length = task.rows.parts["outputs"].shape[1]
         steps = int(task.rows.length.max()) + 1
         self._map = drive_jacobian(rig, reference, task.period * np.arange(steps))
-        self._stiffness = gains_of(task).stiffness
+        self._stiffness = task.gains().stiffness
         travel = np.linalg.norm(self._map, axis=2).mean(axis=0)
         self.fractions = np.minimum(self._stiffness * travel * reach / task.limits, 1.0)
         up = np.array([name.endswith(".z") for name in rig.outputs])
