@@ -18,7 +18,7 @@ import numpy as np
 
 from ...models.errors import OptionError
 from ...models.mjcf.rig_state import State, coordinates, points, spans
-from ...models.rig.chain import joint_names, pulleys
+from ...models.rig.chain import joint_names
 from ...models.rig.rig import Anchor, Rig
 from ...models.rig.turning_axes import carry
 from ...models.types import Array
@@ -82,7 +82,7 @@ class Geometry:
 
 def hangers(rig: Rig) -> dict[str, str]:
     """For each load or corner at the end of a rope, free pulleys excepted, what it hangs from."""
-    ends = {load.name for load in rig.loads} - pulleys(rig)
+    ends = {load.name for load in rig.loads} - rig.pulleys
     ends |= {anchor.name for anchor in rig.anchors if rig.platform(anchor.frame) is not None}
     return {rope.path[-1]: rope.path[-2] for rope in rig.ropes if rope.path[-1] in ends}
 
@@ -162,7 +162,7 @@ def _corners(rig: Rig, places: dict[str, Array], size: int) -> dict[str, Array]:
 
 def _kind(rig: Rig, point: str) -> str:
     """What a rope's end or the point before it is called."""
-    if point in pulleys(rig) and point in {load.name for load in rig.loads}:
+    if point in rig.pulleys and point in {load.name for load in rig.loads}:
         return "pulley"
     part = next(part for part in (*rig.masses, *rig.anchors) if part.name == point)
     if isinstance(part, Anchor) and rig.platform(part.frame) is not None:

@@ -32,7 +32,14 @@ class Outputs:
         free = [*(part.name for part in rig.loads), *(part.name for part in rig.platforms)]
         sites = [model.site(index).name for index in range(model.nsite)]
         where = _sources(rig, model, sites)
-        self._terms = [where[name] for name in rig.outputs]
+        self._terms = [
+            [
+                (source, column, factor * share)
+                for factor, coordinate in rig.terms(output)
+                for source, column, share in where[coordinate]
+            ]
+            for output in rig.outputs
+        ]
         self.values = np.zeros((num, len(self._terms)))
         self.rates = np.zeros((num, len(self._terms) if rates else 0))
         self._sources = {
@@ -95,7 +102,7 @@ def levers(rig: Rig, scales: Scales) -> Array:
 
 
 def _sources(rig: Rig, model: mujoco.MjModel, sites: list[str]) -> dict[str, list[Term]]:
-    """Where every coordinate and weighted sum is read, by name."""
+    """Where every coordinate is read, by name."""
     where: dict[str, list[Term]] = {
         name: [("joint", model.joint(name).id, 1.0)] for name in joint_names(rig)
     }
@@ -111,10 +118,4 @@ def _sources(rig: Rig, model: mujoco.MjModel, sites: list[str]) -> dict[str, lis
                 where[f"{link.name}.{letter}"] = [("site", first + axis, 1.0)]
     for rope in rig.ropes:
         where[rope.coordinate] = [("rope", model.tendon(rope.name).id, 1.0)]
-    for combination in rig.combinations:
-        where[combination.name] = [
-            (source, column, factor * share)
-            for part, factor in zip(combination.of, combination.factors, strict=True)
-            for source, column, share in where[part]
-        ]
     return where

@@ -1,10 +1,8 @@
 """What a crane carries, which wind pushes and whose mass nobody knows exactly."""
 
-from ...models.rig.chain import pulleys
 from ...models.rig.rig import Load, Platform, Rig
 
 
 def payloads(rig: Rig) -> list[Load | Platform]:
     """Loads that no rope runs over, and platforms; free pulleys belong to the crane."""
-    inner = pulleys(rig)
-    return [*(load for load in rig.loads if load.name not in inner), *rig.platforms]
+    return [*(load for load in rig.loads if load.name not in rig.pulleys), *rig.platforms]

@@ -241,15 +241,9 @@ def _with_outputs(problem: Problem, implied: set[int]) -> tuple[int, ...]:
 
 def _outputs(rig: Rig, names: tuple[str, ...], kind: Kind) -> Array:
     """The outputs as sums of coordinates, shape (outputs, coordinates)."""
-    sums = {part.name: part for part in rig.combinations}
     matrix = np.zeros((len(rig.outputs), len(names)))
     for i, output in enumerate(rig.outputs):
-        pairs = (
-            zip(sums[output].factors, sums[output].of, strict=True)
-            if output in sums
-            else [(1.0, output)]
-        )
-        for factor, name in pairs:
+        for factor, name in rig.terms(output):
             if name not in names:
                 raise RigError(f"rig {rig.name}: output {name!r} is none of its {kind} coordinates")
             matrix[i, names.index(name)] = factor

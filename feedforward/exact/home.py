@@ -82,8 +82,4 @@ def _home(equations: Equations) -> tuple[dict[str, Array], Array]:
 
 def _output(rig: Rig, values: dict[str, Array], name: str) -> float:
     """One of the rig's outputs, a coordinate or a combination of them."""
-    for part in rig.combinations:
-        if part.name == name:
-            pairs = zip(part.factors, part.of, strict=True)
-            return sum(factor * float(values[one]) for factor, one in pairs)
-    return float(values[name])
+    return sum(factor * float(values[coordinate]) for factor, coordinate in rig.terms(name))

@@ -81,14 +81,10 @@ class Motion:
     @property
     def outputs(self) -> Array:
         """What the reference prescribes, shape (N, outputs)."""
-        sums = {part.name: part for part in self.rig.combinations}
-        columns = []
-        for name in self.rig.outputs:
-            if name in sums:
-                weights = zip(sums[name].factors, sums[name].of, strict=True)
-                columns.append(sum(a * self.positions[:, self.column(one)] for a, one in weights))
-            else:
-                columns.append(self.positions[:, self.column(name)])
+        columns = [
+            sum(factor * self.positions[:, self.column(name)] for factor, name in terms)
+            for terms in map(self.rig.terms, self.rig.outputs)
+        ]
         return np.stack(columns, axis=1)
 
     @property

@@ -81,7 +81,6 @@ def servo_constraints(equations: Equations) -> Servo:
     rig = equations.rig
     turning = {angle: (cos, sin) for angle, cos, sin in equations.turning}
     frames = {frame.coordinate: frame.name for frame in rig.frames}
-    sums = {part.name: part for part in rig.combinations}
     names: list[str] = []
     rows: list[Terms] = []
     sources: list[Source] = []
@@ -94,12 +93,8 @@ def servo_constraints(equations: Equations) -> Servo:
             sources.append(Source("frame", (column,)))
             implied |= set(equations.with_role("unit", owner=frames[output]))
         elif orientation is None:
-            terms = (
-                zip(sums[output].factors, sums[output].of, strict=True)
-                if (output in sums)
-                else [(1.0, output)]
-            )
             names.append(output)
+            terms = rig.terms(output)
             rows.append(tuple((factor, equations.names.index(name)) for factor, name in terms))
             sources.append(Source("terms", (column,)))
         else:

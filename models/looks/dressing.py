@@ -6,7 +6,6 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from ..rig.chain import pulleys
 from ..rig.rig import WORLD, Anchor, Frame, Platform, Rail, Rig, Trolley
 from . import booms, drawing, structures
 from .drawing import Painter
@@ -100,7 +99,7 @@ def _beam_ends(rig: Rig, rails: list[Rail], size: Sizes) -> tuple[float, float]:
 
 
 def _dress_anchors(paint: Painter, rig: Rig, bodies: Mapping[str, Any], size: Sizes) -> None:
-    winches, sheaves = {rope.path[0] for rope in rig.ropes}, pulleys(rig)
+    winches, sheaves = {rope.path[0] for rope in rig.ropes}, rig.pulleys
     on_boom = {name for boom in booms.find(rig) for name in boom.anchors}
     beams = {rail.frame for rail in rig.rails}
     for anchor in rig.anchors:
@@ -124,7 +123,7 @@ def _in_tower(rig: Rig, anchor: Anchor, size: Sizes) -> bool:
 
 
 def _dress_masses(paint: Painter, rig: Rig, bodies: Mapping[str, Any], size: Sizes) -> None:
-    winches, sheaves = {rope.path[0] for rope in rig.ropes}, pulleys(rig)
+    winches, sheaves = {rope.path[0] for rope in rig.ropes}, rig.pulleys
     blocks = {rope.path[-1] for rope in rig.ropes if rope.falls > 1}
     for mass in rig.masses:
         body, name = bodies[mass.name], mass.name

@@ -74,11 +74,6 @@ def joint_names(rig: Rig) -> tuple[str, ...]:
     return tuple(name for link in links(rig) for name in link.joints)
 
 
-def pulleys(rig: Rig) -> frozenset[str]:
-    """Names of the points that some rope only passes."""
-    return frozenset(point for rope in rig.ropes for point in rope.path[1:-1])
-
-
 def _tied(rig: Rig, rope: Rope) -> set[str]:
     """Names of what a rope's path touches, a platform in place of its corners."""
     corners = {a.name: a.frame for a in rig.anchors if rig.platform(a.frame) is not None}
@@ -130,7 +125,7 @@ def _ropes(ropes: list[Rope]) -> str:
 
 
 def _frame_link(rig: Rig, frame: Frame) -> Link:
-    value = _number(rig, frame)
+    value = rig.home_of(frame)
     shift = value if frame.kind == "sliding" else 0.0
     position = _vector(shift * part for part in frame.axis)
     return Link(frame, None, frame, position, (frame.coordinate,), (value,))
@@ -138,7 +133,6 @@ def _frame_link(rig: Rig, frame: Frame) -> Link:
 
 def _chain(rig: Rig, members: list[Mass], above: Link | None) -> list[Link]:
     """Trolleys, then free pulleys, then loads, then a platform, each on the one before."""
-    inner = pulleys(rig)
     loads = [mass for mass in members if isinstance(mass, Load)]
     platforms = [mass for mass in members if isinstance(mass, Platform)]
     _check_platforms(platforms, above)
@@ -146,7 +140,7 @@ def _chain(rig: Rig, members: list[Mass], above: Link | None) -> list[Link]:
     for mass in members:
         if isinstance(mass, Trolley):
             chain.append(_trolley_link(rig, mass, chain[-1] if chain else above))
-    for load in sorted(loads, key=lambda load: load.name not in inner):
+    for load in sorted(loads, key=lambda load: load.name not in rig.pulleys):
         frame = None if above is None else above.frame
         chain.append(_free_link(rig, load, chain[-1] if chain else above, frame))
     for platform in platforms:
@@ -171,7 +165,7 @@ def _check_platforms(platforms: list[Platform], above: Link | None) -> None:
 
 def _trolley_link(rig: Rig, trolley: Trolley, parent: Link | None) -> Link:
     rail = rig.rail(trolley.rail)
-    value = _number(rig, trolley)
+    value = rig.home_of(trolley)
     sums: tuple[tuple[str, float], ...] = ()
     if parent is not None and isinstance(parent.part, Trolley):
         other = rig.rail(parent.part.rail)
@@ -184,7 +178,7 @@ def _trolley_link(rig: Rig, trolley: Trolley, parent: Link | None) -> Link:
             )
         sign = 1.0 if along > 0 else -1.0
         upper = parent.sums or ((parent.joints[0], 1.0),)
-        value -= sign * _number(rig, parent.part)
+        value -= sign * rig.home_of(parent.part)
         sums = (*((name, sign * factor) for name, factor in upper), (trolley.coordinate, 1.0))
     frame = rig.frame(rail.frame)
     position = _minus(_home_point(rig, trolley, frame), _origin(rig, parent))
@@ -213,14 +207,10 @@ def _home_point(rig: Rig, mass: Mass, frame: Frame | None) -> Vector:
     x, y, z = point = rig.home_point(mass.name)
     if frame is None:
         return point
-    value = _number(rig, frame)
+    value = rig.home_of(frame)
     if frame.kind == "sliding":
         return _minus(point, _vector(value * part for part in frame.axis))
     return _vector((x * cos(value) + y * sin(value), y * cos(value) - x * sin(value), z))
-
-
-def _number(rig: Rig, part: Frame | Trolley) -> float:
-    return float(cast(float, rig.home_of(part)))
 
 
 def _vector(values: Iterable[float]) -> Vector:

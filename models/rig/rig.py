@@ -22,7 +22,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, TypeVar, cast
+from typing import Literal, TypeVar, overload
 
 from ..errors import RigError, did_you_mean
 from ..values import Home, Vector, clean
@@ -39,7 +39,18 @@ from .parts import (
     Sheave,
     Trolley,
 )
-from .validation import validate
+from .validation import (
+    check_combinations,
+    check_drives,
+    check_home,
+    check_names,
+    check_outputs,
+    check_parts,
+    check_ropes,
+    check_space,
+    check_spans,
+    check_trolley,
+)
 
 __all__ = [
     "WORLD",
@@ -93,7 +104,31 @@ class Rig:
     def __post_init__(self) -> None:
         clean(self)
         object.__setattr__(self, "masses", (*self.trolleys, *self.loads, *self.platforms))
-        validate(self)
+        self._check()
+
+    def _check(self) -> None:
+        """Check the rig whole, part by part and then how the parts fit together."""
+        planar = self.dimensions == 2
+        bodies = (*self.frames, *self.anchors, *self.rails, *self.masses)
+        parts = (*bodies, *self.ropes, *self.combinations)
+        ends: tuple[Anchor | Trolley | Load, ...] = (*self.anchors, *self.trolleys, *self.loads)
+        points = [end.name for end in ends]
+        angles = [frame.coordinate for frame in self.frames if frame.kind == "turning"]
+        angles += [angle for platform in self.platforms for angle in platform.angles]
+        known = [*self.coordinate_names, *(p.name for p in self.combinations)]
+
+        check_space(self.name, self.dimensions, self.gravity)
+        check_names(self.name, [part.name for part in parts])
+        check_names(self.name, self.input_names)
+        check_parts(self.name, bodies, planar=planar)
+        check_ropes(self.ropes, points)
+        check_drives(self.name, self.drives, [part.name for part in self._drivable])
+        check_combinations(self.combinations, self.coordinate_names, angles)
+        check_outputs(self.name, self.outputs, known, len(self.drives))
+        check_home(self.home, self.frames, self.masses, planar=planar)
+        for trolley in self.trolleys:
+            check_trolley(trolley, self.home_of(trolley), self.rail(trolley.rail))
+        check_spans(self.ropes, {name: self.home_point(name) for name in points})
 
     @cached_property
     def input_names(self) -> tuple[str, ...]:
@@ -137,11 +172,23 @@ class Rig:
         """The rigid bodies that hang from ropes."""
         return tuple(mass for mass in self.masses if isinstance(mass, Platform))
 
+    @cached_property
+    def pulleys(self) -> frozenset[str]:
+        """Names of the anchors, trolleys and loads that some rope only passes on its way."""
+        return frozenset(point for rope in self.ropes for point in rope.path[1:-1])
+
     @property
     def weight(self) -> float:
         """Of all loads and platforms [N]."""
         loads: tuple[Load | Platform, ...] = (*self.loads, *self.platforms)
         return self.gravity * sum(part.mass for part in loads)
+
+    def terms(self, output: str) -> tuple[tuple[float, str], ...]:
+        """An output as a weighted sum of coordinates: (factor, coordinate) of each term."""
+        for combination in self.combinations:
+            if combination.name == output:
+                return tuple(zip(combination.factors, combination.of, strict=True))
+        return ((1.0, output),)
 
     def platform(self, name: str) -> Platform | None:
         """The platform of that name, if there is one."""
@@ -169,8 +216,17 @@ class Rig:
 
     def driven(self, drive: Drive) -> Frame | Trolley | Rope:
         """What a drive acts on."""
-        parts: tuple[Frame | Trolley | Rope, ...] = (*self.frames, *self.trolleys, *self.ropes)
-        return next(part for part in parts if part.name == drive.on)
+        return next(part for part in self._drivable if part.name == drive.on)
+
+    @property
+    def _drivable(self) -> tuple[Frame | Trolley | Rope, ...]:
+        return (*self.frames, *self.trolleys, *self.ropes)
+
+    @overload
+    def home_of(self, part: Frame | Trolley) -> float: ...
+
+    @overload
+    def home_of(self, part: Load | Platform) -> Vector: ...
 
     def home_of(self, part: Frame | Trolley | Load | Platform) -> float | Vector:
         """Home value of a frame, trolley, load or platform."""
@@ -181,21 +237,21 @@ class Rig:
         """Where an anchor, trolley, load or platform is at home, in the world [m]."""
         part = _named("point", (*self.anchors, *self.masses), name)
         if isinstance(part, Load | Platform):
-            return cast(Vector, self.home_of(part))
+            return self.home_of(part)
         if isinstance(part, Trolley):
             rail = self.rail(part.rail)
-            frame, along = self.frame(rail.frame), cast(float, self.home_of(part))
+            frame, along = self.frame(rail.frame), self.home_of(part)
             pairs = zip(rail.origin, rail.direction, strict=True)
             x, y, z = (start + along * step for start, step in pairs)
         elif (platform := self.platform(part.frame)) is not None:
-            centre = cast(Vector, self.home_of(platform))
-            x, y, z = (a + b for a, b in zip(centre, part.position, strict=True))
+            pairs = zip(self.home_of(platform), part.position, strict=True)
+            x, y, z = (a + b for a, b in pairs)
             return (x, y, z)
         else:
             frame, (x, y, z) = self.frame(part.frame), part.position
         if frame is None:
             return (x, y, z)
-        value = cast(float, self.home_of(frame))
+        value = self.home_of(frame)
         if frame.kind == "turning":
             cos, sin = math.cos(value), math.sin(value)
             return (cos * x - sin * y, sin * x + cos * y, z)

@@ -1,58 +1,53 @@
-"""What must hold of a rig, checked when it is made."""
+"""What must hold of a rig, checked when it is made; each check reads the parts it is given.
+
+Raises
+------
+RigError
+    From every check: what is wrong, in one line.
+"""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 from ..errors import RigError, did_you_mean
 from ..values import Vector
-from .parts import WORLD, Anchor, Combination, Frame, Load, Platform, Rail, Rope, Trolley
+from .parts import (
+    WORLD,
+    Anchor,
+    Combination,
+    Drive,
+    Frame,
+    Load,
+    Platform,
+    Rail,
+    Rope,
+    Trolley,
+)
 
-if TYPE_CHECKING:
-    from .rig import Rig
-
-
-def validate(rig: "Rig") -> None:
-    """Check a rig whole.
-
-    Raises
-    ------
-    RigError
-        What is wrong, in one line.
-    """
-    if rig.dimensions not in (2, 3):
-        raise RigError(f"rig {rig.name}: dimensions is {rig.dimensions!r}, it must be 2 or 3")
-    _positive(f"rig {rig.name}", "gravity", rig.gravity, "m/s2")
-    _check_names(rig)
-    _check_parts(rig)
-    _check_ropes(rig)
-    _check_drives(rig)
-    _check_outputs(rig)
-    _check_home(rig)
+Part = Frame | Anchor | Rail | Trolley | Load | Platform | Rope | Combination
+Mass = Trolley | Load | Platform
 
 
-def _parts(
-    rig: "Rig",
-) -> Iterator[Frame | Anchor | Rail | Trolley | Load | Platform | Rope | Combination]:
-    yield from (*rig.frames, *rig.anchors, *rig.rails, *rig.masses, *rig.ropes, *rig.combinations)
+def check_space(rig: str, dimensions: int, gravity: float) -> None:
+    """A rig lies in a plane or in space, and things fall in it."""
+    if dimensions not in (2, 3):
+        raise RigError(f"rig {rig}: dimensions is {dimensions!r}, it must be 2 or 3")
+    _positive(f"rig {rig}", "gravity", gravity, "m/s2")
 
 
-def _check_names(rig: "Rig") -> None:
-    """Parts have names of their own, drives too; a name is a plain word."""
-    for owners in ([part.name for part in _parts(rig)], [drive.name for drive in rig.drives]):
-        for name in owners:
-            if not name.replace("_", "a").replace("-", "a").isalnum():
-                raise RigError(
-                    f"rig {rig.name}: name {name!r} must be letters, digits, '-' and '_' only"
-                )
-            if name == WORLD:
-                raise RigError(f"rig {rig.name}: the name {WORLD!r} is taken by the fixed frame")
-            if owners.count(name) > 1:
-                raise RigError(f"rig {rig.name}: the name {name!r} is used twice")
+def check_names(rig: str, names: Sequence[str]) -> None:
+    """No two parts, and no two drives, have one name; a name is a plain word."""
+    for name in names:
+        if not name.replace("_", "a").replace("-", "a").isalnum():
+            raise RigError(f"rig {rig}: name {name!r} must be letters, digits, '-' and '_' only")
+        if name == WORLD:
+            raise RigError(f"rig {rig}: the name {WORLD!r} is taken by the fixed frame")
+        if names.count(name) > 1:
+            raise RigError(f"rig {rig}: the name {name!r} is used twice")
 
 
-def _known(what: str, name: str, known: list[str]) -> None:
+def _known(what: str, name: str, known: Sequence[str]) -> None:
     if name not in known:
         raise RigError(f"{what} names {name!r}, which does not exist{did_you_mean(name, known)}")
 
@@ -62,48 +57,51 @@ def _positive(label: str, quantity: str, value: float, unit: str) -> None:
         raise RigError(f"{label}: {quantity} is {value:g} {unit}, it must be > 0")
 
 
-def _check_parts(rig: "Rig") -> None:
-    frames = [WORLD, *(frame.name for frame in rig.frames)]
-    platforms = [platform.name for platform in rig.platforms]
-    for frame in rig.frames:
-        if frame.kind not in ("turning", "sliding"):
-            raise RigError(
-                f"frame {frame.name}: kind is {frame.kind!r}, it must be turning or sliding"
-            )
-        unit = "kg m2" if frame.kind == "turning" else "kg"
-        _positive(f"frame {frame.name}", "inertia", frame.inertia, unit)
-        _unit(f"frame {frame.name}", "axis", frame.axis)
-        _in_plane(rig, f"frame {frame.name}", frame.axis)
-        if frame.kind == "turning" and tuple(frame.axis) != (0.0, 0.0, 1.0):
-            raise RigError(f"frame {frame.name}: a turning frame's axis must be (0, 0, 1)")
-        if frame.kind == "turning" and rig.dimensions == 2:
-            raise RigError(f"frame {frame.name}: a planar rig has no turning frame")
-    for anchor in rig.anchors:
-        _known(f"anchor {anchor.name}", anchor.frame, frames + platforms)
-        _in_plane(rig, f"anchor {anchor.name}", anchor.position)
-    for rail in rig.rails:
-        _known(f"rail {rail.name}", rail.frame, frames)
-        _unit(f"rail {rail.name}", "direction", rail.direction)
-        _in_plane(rig, f"rail {rail.name}", rail.origin)
-        _in_plane(rig, f"rail {rail.name}", rail.direction)
-        if not rail.start < rail.end:
-            raise RigError(
-                f"rail {rail.name}: start {rail.start:g} m must lie below end {rail.end:g} m"
-            )
-    for mass in rig.masses:
-        if isinstance(mass, Trolley):
-            _known(f"trolley {mass.name}", mass.rail, [rail.name for rail in rig.rails])
-            _positive(f"trolley {mass.name}", "mass", mass.mass, "kg")
-        elif isinstance(mass, Platform):
-            _check_platform(rig, mass)
-        elif mass.mass < 0:
-            raise RigError(f"load {mass.name}: mass is {mass.mass:g} kg, it must be >= 0")
-    if not rig.weight > 0:
-        raise RigError(f"rig {rig.name}: there is no load with a mass > 0")
+def check_parts(rig: str, parts: Sequence[Part], *, planar: bool) -> None:
+    """Frames, anchors, rails and masses stand on one another, and have sizes they can have."""
+    frames = [WORLD, *_names(parts, Frame)]
+    for part in parts:
+        label = f"{type(part).__name__.lower()} {part.name}"
+        if isinstance(part, Frame):
+            _check_frame(label, part, planar=planar)
+        elif isinstance(part, Anchor):
+            _known(label, part.frame, frames + _names(parts, Platform))
+            _in_plane(label, part.position, planar=planar)
+        elif isinstance(part, Rail):
+            _known(label, part.frame, frames)
+            _unit(label, "direction", part.direction)
+            _in_plane(label, part.origin, planar=planar)
+            _in_plane(label, part.direction, planar=planar)
+            if not part.start < part.end:
+                raise RigError(f"{label}: start {part.start:g} m must lie below end {part.end:g} m")
+        elif isinstance(part, Trolley):
+            _known(label, part.rail, _names(parts, Rail))
+            _positive(label, "mass", part.mass, "kg")
+        elif isinstance(part, Platform):
+            _check_platform(label, part, planar=planar)
+        elif isinstance(part, Load) and part.mass < 0:
+            raise RigError(f"{label}: mass is {part.mass:g} kg, it must be >= 0")
+    if not any(isinstance(part, Load | Platform) and part.mass > 0 for part in parts):
+        raise RigError(f"rig {rig}: there is no load with a mass > 0")
 
 
-def _check_platform(rig: "Rig", platform: Platform) -> None:
-    label = f"platform {platform.name}"
+def _names(parts: Iterable[Part], *kinds: type[Part]) -> list[str]:
+    return [part.name for part in parts if isinstance(part, kinds)]
+
+
+def _check_frame(label: str, frame: Frame, *, planar: bool) -> None:
+    if frame.kind not in ("turning", "sliding"):
+        raise RigError(f"{label}: kind is {frame.kind!r}, it must be turning or sliding")
+    _positive(label, "inertia", frame.inertia, "kg m2" if frame.kind == "turning" else "kg")
+    _unit(label, "axis", frame.axis)
+    _in_plane(label, frame.axis, planar=planar)
+    if frame.kind == "turning" and tuple(frame.axis) != (0.0, 0.0, 1.0):
+        raise RigError(f"{label}: a turning frame's axis must be (0, 0, 1)")
+    if frame.kind == "turning" and planar:
+        raise RigError(f"{label}: a planar rig has no turning frame")
+
+
+def _check_platform(label: str, platform: Platform, *, planar: bool) -> None:
     _positive(label, "mass", platform.mass, "kg")
     for moment in platform.inertia:
         _positive(label, "a principal moment of inertia", moment, "kg m2")
@@ -112,24 +110,24 @@ def _check_platform(rig: "Rig", platform: Platform) -> None:
         raise RigError(
             f"{label}: inertia is {platform.inertia}, no moment can exceed the sum of the others"
         )
-    if rig.dimensions == 2:
+    if planar:
         raise RigError(f"{label}: a planar rig has no platform; take 3 dimensions")
 
 
 def _unit(label: str, quantity: str, vector: Vector) -> None:
+    # Looser than rounding, so that directions written with ten digits pass.
     if abs(math.hypot(*vector) - 1) > 1e-9:
         raise RigError(f"{label}: {quantity} is {tuple(vector)}, it must be a unit vector")
 
 
-def _in_plane(rig: "Rig", label: str, vector: Vector) -> None:
-    if rig.dimensions == 2 and vector[1] != 0:
+def _in_plane(label: str, vector: Vector, *, planar: bool) -> None:
+    if planar and vector[1] != 0:
         raise RigError(f"{label}: y is {vector[1]:g}, a planar rig lies in the plane y = 0")
 
 
-def _check_ropes(rig: "Rig") -> None:
-    ends: tuple[Anchor | Trolley | Load, ...] = (*rig.anchors, *rig.trolleys, *rig.loads)
-    points = [part.name for part in ends]
-    for rope in rig.ropes:
+def check_ropes(ropes: Iterable[Rope], points: Sequence[str]) -> None:
+    """Ropes run through points that exist, named `points`, over sheaves on their way."""
+    for rope in ropes:
         label = f"rope {rope.name}"
         if len(rope.path) < 2:
             raise RigError(f"{label}: its path has {len(rope.path)} point, it needs 2 or more")
@@ -145,79 +143,91 @@ def _check_ropes(rig: "Rig") -> None:
         for sheave in rope.sheaves:
             if [other.at for other in rope.sheaves].count(sheave.at) > 1:
                 raise RigError(f"{label}: two sheaves stand at {sheave.at!r}")
-            _known(f"{label}: a sheave", sheave.at, list(rope.path[1:-1]))
+            _known(f"{label}: a sheave", sheave.at, rope.path[1:-1])
             _positive(f"{label}: the sheave at {sheave.at}", "radius", sheave.radius, "m")
             _positive(f"{label}: the sheave at {sheave.at}", "inertia", sheave.inertia, "kg m2")
 
 
-def _check_drives(rig: "Rig") -> None:
-    driven = [part.name for part in rig.frames]
-    driven += [part.name for part in rig.trolleys]
-    driven += [part.name for part in rig.ropes]
-    for drive in rig.drives:
+def check_drives(rig: str, drives: Sequence[Drive], driven: Sequence[str]) -> None:
+    """Drives act on parts named `driven`, each on one of its own."""
+    for drive in drives:
         _known(f"drive {drive.name}", drive.on, driven)
         _positive(f"drive {drive.name}", "limit", drive.limit, "N or N m")
     for name in driven:
-        if [drive.on for drive in rig.drives].count(name) > 1:
-            raise RigError(f"rig {rig.name}: two drives act on {name!r}")
+        if [drive.on for drive in drives].count(name) > 1:
+            raise RigError(f"rig {rig}: two drives act on {name!r}")
 
 
-def _check_outputs(rig: "Rig") -> None:
-    for combination in rig.combinations:
-        _check_combination(rig, combination)
-    known = [*rig.coordinate_names, *(part.name for part in rig.combinations)]
-    for output in rig.outputs:
-        if output not in known:
+def check_combinations(
+    combinations: Iterable[Combination], coordinates: Iterable[str], angles: Sequence[str]
+) -> None:
+    """Combinations weigh coordinates, none of which is one of the `angles`."""
+    lengths = [name for name in coordinates if name not in angles]
+    for combination in combinations:
+        label, count = f"combination {combination.name}", len(combination.of)
+        if not count or count != len(combination.factors):
             raise RigError(
-                f"rig {rig.name}: output {output!r} is not a coordinate"
-                f"{did_you_mean(output, known)}"
+                f"{label}: it has {count} coordinates and {len(combination.factors)} "
+                "factors, it needs one factor for each coordinate"
             )
-        if rig.outputs.count(output) > 1:
-            raise RigError(f"rig {rig.name}: output {output!r} is named twice")
-    if len(rig.outputs) != len(rig.drives):
+        for name in combination.of:
+            if name in angles:
+                raise RigError(f"{label}: {name} is an angle, it must be a length or position")
+            _known(label, name, lengths)
+
+
+def check_outputs(rig: str, outputs: Sequence[str], known: Sequence[str], drives: int) -> None:
+    """Outputs are among what is `known`, as many as there are drives."""
+    for output in outputs:
+        if output not in known:
+            hint = did_you_mean(output, known)
+            raise RigError(f"rig {rig}: output {output!r} is not a coordinate{hint}")
+        if outputs.count(output) > 1:
+            raise RigError(f"rig {rig}: output {output!r} is named twice")
+    if len(outputs) != drives:
         raise RigError(
-            f"rig {rig.name}: {len(rig.outputs)} outputs for {len(rig.drives)} drives, "
+            f"rig {rig}: {len(outputs)} outputs for {drives} drives, "
             "exact feedforward needs as many of one as of the other"
         )
 
 
-def _check_combination(rig: "Rig", combination: Combination) -> None:
-    label = f"combination {combination.name}"
-    if not combination.of or len(combination.of) != len(combination.factors):
-        raise RigError(
-            f"{label}: it has {len(combination.of)} coordinates and {len(combination.factors)} "
-            "factors, it needs one factor for each coordinate"
-        )
-    angles = [frame.coordinate for frame in rig.frames if frame.kind == "turning"]
-    angles += [angle for platform in rig.platforms for angle in platform.angles]
-    for name in combination.of:
-        if name in angles:
-            raise RigError(f"{label}: {name} is an angle, it must be a length or position")
-        _known(label, name, [known for known in rig.coordinate_names if known not in angles])
-
-
-def _check_home(rig: "Rig") -> None:
-    parts = {part.name: part for part in (*rig.frames, *rig.masses)}
-    for name, value in rig.home.items():
+def check_home(
+    home: Mapping[str, float | Vector],
+    frames: Iterable[Frame],
+    masses: Sequence[Mass],
+    *,
+    planar: bool,
+) -> None:
+    """Home names frames and masses, with a number or a point for each, and every free mass."""
+    parts: dict[str, Frame | Mass] = {part.name: part for part in (*frames, *masses)}
+    for name, value in home.items():
         _known("home", name, list(parts))
         moves_freely = isinstance(parts[name], Load | Platform)
         if moves_freely != isinstance(value, tuple):
             needed = "(x, y, z)" if moves_freely else "a number"
             raise RigError(f"home of {name} is {value}, it must be {needed}")
-    free: tuple[Load | Platform, ...] = (*rig.loads, *rig.platforms)
-    for load in free:
-        if load.name not in rig.home:
-            kind = type(load).__name__.lower()
-            raise RigError(f"home of {kind} {load.name} is missing, give its (x, y, z)")
-        _in_plane(rig, f"home of {load.name}", rig.home_point(load.name))
-    for trolley in rig.trolleys:
-        rail, place = rig.rail(trolley.rail), rig.home_of(trolley)
-        if not rail.start <= place <= rail.end:  # type: ignore[operator]
-            raise RigError(
-                f"home of {trolley.name} is {place} m, rail {rail.name} goes from "
-                f"{rail.start:g} m to {rail.end:g} m"
-            )
-    for rope in rig.ropes:
+    for mass in masses:
+        if isinstance(mass, Trolley):
+            continue
+        point = home.get(mass.name)
+        if not isinstance(point, tuple):
+            kind = type(mass).__name__.lower()
+            raise RigError(f"home of {kind} {mass.name} is missing, give its (x, y, z)")
+        _in_plane(f"home of {mass.name}", point, planar=planar)
+
+
+def check_trolley(trolley: Trolley, place: float, rail: Rail) -> None:
+    """A trolley at its `place` at home [m] is on its rail."""
+    if not rail.start <= place <= rail.end:
+        raise RigError(
+            f"home of {trolley.name} is {place} m, rail {rail.name} goes from "
+            f"{rail.start:g} m to {rail.end:g} m"
+        )
+
+
+def check_spans(ropes: Iterable[Rope], places: Mapping[str, Vector]) -> None:
+    """No span of a rope is without length at home, where points are at `places` [m]."""
+    for rope in ropes:
         for before, after in pairwise(rope.path):
-            if math.dist(rig.home_point(before), rig.home_point(after)) == 0:
+            if math.dist(places[before], places[after]) == 0:
                 raise RigError(f"home of rope {rope.name}: {before} and {after} coincide")

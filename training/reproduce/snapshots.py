@@ -7,7 +7,6 @@ import numpy as np
 
 from ...feedforward import Motion, equations_of, redundant
 from ...models import Load, Platform
-from ...models.rig.chain import pulleys
 from ...models.types import Array
 from .. import plots
 from ..tables import table
@@ -76,11 +75,10 @@ def _picture(ax: Any, motion: Motion, places: Places, opacity: float) -> None:
         _line(ax, [*corners, corners[0]], plots.COLOURS[4], 2.0, opacity)
     for rope in rig.ropes:
         _line(ax, [places[name] for name in rope.path], ROPE, 0.9, opacity)
-    free = pulleys(rig)
     for trolley in rig.trolleys:
         ax.plot(*places[trolley.name], "s", color=plots.COLOURS[3], markersize=5, alpha=opacity)
     for load in rig.loads:
-        passed = load.name in free
+        passed = load.name in rig.pulleys
         look = {"color": plots.COLOURS[5 if passed else 4], "markersize": 4 if passed else 7}
         ax.plot(*places[load.name], "o", alpha=opacity, **look)
 

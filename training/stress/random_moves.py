@@ -45,12 +45,13 @@ def random_move(rig: Rig, rng: np.random.Generator) -> Move:
     )
 
 
-def _home_output(rig: Rig, name: str) -> float:
+def _home_output(rig: Rig, output: str) -> float:
     """Value of an output at home."""
-    for part in rig.combinations:
-        if part.name == name:
-            pairs = zip(part.factors, part.of, strict=True)
-            return sum(factor * _home_output(rig, term) for factor, term in pairs)
+    return sum(factor * _at_home(rig, coordinate) for factor, coordinate in rig.terms(output))
+
+
+def _at_home(rig: Rig, name: str) -> float:
+    """Value of a coordinate at home."""
     owner, _, letter = name.partition(".")
     if letter in ("alpha", "beta", "gamma"):
         return 0.0
