@@ -58,8 +58,8 @@ def check_duration(duration: object, name: str = "duration") -> float:
     number = as_number(duration)
     if not SHORTEST <= number <= LONGEST:
         strange = math.isnan(number) and not isinstance(duration, float)
-        given = repr(duration) if strange else f"{number:g} s"
-        raise PathError(f"{name} is {given}, it must be > 0 ({SHORTEST:g} s to {LONGEST:g} s)")
+        text = repr(duration) if strange else f"{number:g} s"
+        raise PathError(f"{name} is {text}, it must be > 0 ({SHORTEST:g} s to {LONGEST:g} s)")
     return number
 
 
@@ -76,8 +76,8 @@ def check_point(name: str, point: object) -> tuple[float, ...]:
     except (TypeError, ValueError):
         raise PathError(f"{name} is {point!r}, it must be finite numbers") from None
     if array.ndim != 1 or array.size == 0 or not np.isfinite(array).all():
-        given = point.tolist() if isinstance(point, np.ndarray) else point
-        raise PathError(f"{name} is {given!r}, it must be one finite number for each output")
+        value = point.tolist() if isinstance(point, np.ndarray) else point
+        raise PathError(f"{name} is {value!r}, it must be one finite number for each output")
     if np.abs(array).max() > LARGEST:
         raise PathError(f"{name} is {tuple(array.tolist())}, it must be within +-{LARGEST:g}")
     return tuple(array.tolist())

@@ -138,10 +138,10 @@ class _Stepper:
         for first in range(0, count, CHUNK):
             steps = np.arange(first, min(first + CHUNK, count))
             instants = h * (steps[:, None] + np.array(self.method.nodes))
-            given = self._prescribed(instants.ravel())
-            given = given.reshape(len(given), *instants.shape, -1)
+            path = self._prescribed(instants.ravel())
+            path = path.reshape(len(path), *instants.shape, -1)
             for i, number in enumerate(steps):
-                stepped = self._step(past, given[:, i], h)
+                stepped = self._step(past, path[:, i], h)
                 if stepped is None:
                     return times, states, Failure(times[-1], h, self.newton.reason)
                 past = [*past[1:], stepped.state]

@@ -36,9 +36,9 @@ def at_rest(equations: Formulation, reference: Reference) -> Array:
     direct = Direct(equations.mechanics)
     z = _guess(direct, reference)
     still = np.zeros(len(z))
-    given = prescribed(direct.mechanics.coordinates, reference, [0.0], 0)[:, 0]
+    target = prescribed(direct.mechanics.coordinates, reference, [0.0], 0)[:, 0]
     for _ in range(ITERATIONS):
-        residual, jacobian = direct.evaluate(given, z, still, still, True)
+        residual, jacobian = direct.evaluate(target, z, still, still, True)
         assert jacobian is not None
         size = np.abs(jacobian[0]) @ np.abs(z)
         if (np.abs(residual) <= BALANCED * np.maximum(size, size.max() * 1e-3)).all():

@@ -108,13 +108,13 @@ class _Builder:
             self.mass += mass * np.outer(row[:-1], row[:-1])
 
     def _frames(self) -> None:
-        one = self.row(constant=1.0)
+        unity = self.row(constant=1.0)
         for frame in self.rig.frames:
             if frame.kind == "turning":
                 pair = self.row(f"{frame.name}.cos"), self.row(f"{frame.name}.sin")
                 self.add_inertia(frame.inertia, *pair)
                 unit = Constraint(f"{frame.name}.unit", frame.name, "unit", None)
-                self.constrain(unit, *((0.5, row, row) for row in pair), (-0.5, one, one))
+                self.constrain(unit, *((0.5, row, row) for row in pair), (-0.5, unity, unity))
             else:
                 self.add_inertia(frame.inertia, self.row(frame.coordinate))
 
@@ -160,7 +160,7 @@ class _Builder:
         return self._origin(frame) + self._in_frame(frame, part.position)
 
     def _masses(self) -> None:
-        one = self.row(constant=1.0)
+        unity = self.row(constant=1.0)
         for part in self.rig.masses:
             rows = self.position(part.name)
             self.add_inertia(part.mass, *rows)
@@ -176,7 +176,7 @@ class _Builder:
                 name, moved = f"{part.name}.rail_{letter}", self.index(f"{part.name}.{letter}")
                 self.constrain(
                     Constraint(name, part.name, "rail", moved),
-                    (1.0, one, rows[axis] - origin[axis]),
+                    (1.0, unity, rows[axis] - origin[axis]),
                     (-1.0, along, direction[axis]),
                 )
 
@@ -187,7 +187,7 @@ class _Builder:
 
     def _platforms(self) -> None:
         """Inertia of the directors, Y 2.41, and their six constraints, Y 2.44."""
-        one = self.row(constant=1.0)
+        unity = self.row(constant=1.0)
         for platform in self.rig.platforms:
             directors = self.directors(platform)
             half = 0.5 * sum(platform.inertia)
@@ -200,7 +200,7 @@ class _Builder:
                     self.constrain(
                         Constraint(name, platform.name, "director", None),
                         *((0.5 if same else 1.0, a, b) for a, b in zip(first, second, strict=True)),
-                        *(((-0.5, one, one),) if same else ()),
+                        *(((-0.5, unity, unity),) if same else ()),
                     )
 
     def _orientation(self, platform: Platform) -> Orientation:

@@ -131,12 +131,12 @@ class Equations:
         States (N, n) and multipliers (N, m).
         """
         ones = _with_one(state)
-        found = np.zeros((len(state), len(self.rig.ropes)))
-        named = zip(self.rig.ropes, self.spans, self.span_lengths, strict=True)
-        for i, (rope, spans, rows) in enumerate(named):
+        tensions = np.zeros((len(state), len(self.rig.ropes)))
+        ropes = zip(self.rig.ropes, self.spans, self.span_lengths, strict=True)
+        for i, (rope, spans, rows) in enumerate(ropes):
             falls = rope.falls if len(spans) == 1 else 1
-            found[:, i] = multipliers[:, spans[0]] * (ones @ rows[0]) / falls
-        return found
+            tensions[:, i] = multipliers[:, spans[0]] * (ones @ rows[0]) / falls
+        return tensions
 
     def accelerations(self, state: Array, rate: Array, inputs: Array) -> tuple[Array, Array]:
         """Accelerations (N, n) and multipliers (N, m) under given inputs (N, a).
@@ -187,8 +187,8 @@ def redundant(
         v[..., cos], v[..., sin] = -q[..., sin] * rates[angle], q[..., cos] * rates[angle]
     for orientation in equations.orientations:
         angles = [
-            [np.broadcast_to(given[name], samples) for name in orientation.angles]
-            for given in (values, rates)
+            [np.broadcast_to(table[name], samples) for name in orientation.angles]
+            for table in (values, rates)
         ]
         directors = np.swapaxes(matrix(np.moveaxis(np.array(angles), 1, -1)), -1, -2)
         columns = list(orientation.directors)
@@ -210,9 +210,9 @@ def redundant(
     return q, v
 
 
-def _check_names(rig: Rig, *given: Mapping[str, Array]) -> None:
+def _check_names(rig: Rig, *tables: Mapping[str, Array]) -> None:
     lengths = {rope.coordinate for rope in rig.ropes}
-    for names in given:
+    for names in tables:
         for name in rig.coordinate_names:
             if name not in lengths and name not in names:
                 raise RigError(f"rig {rig.name}: coordinate {name} is missing")

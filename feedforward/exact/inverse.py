@@ -116,18 +116,18 @@ def _bryant_angles(equations: Equations, state: Array, taylor: Array) -> dict[st
     """
     rig = equations.rig
     factorials = np.array([1.0, 1.0, 2.0])[:, None]
-    found = {}
+    angles = {}
     for orientation in equations.orientations:
         if orientation.angles[0] in rig.outputs:
             for name in orientation.angles:
-                found[name] = taylor[:3, :, rig.outputs.index(name)] * factorials
+                angles[name] = taylor[:3, :, rig.outputs.index(name)] * factorials
             continue
         directors = state[list(orientation.directors)].reshape(3, 3, *state.shape[1:])
         series = bryant(
             np.moveaxis(directors, (2, 3), (0, 1)).swapaxes(-1, -2) / factorials[..., None, None]
         )
-        found |= {name: series[..., i] * factorials for i, name in enumerate(orientation.angles)}
-    return found
+        angles |= {name: series[..., i] * factorials for i, name in enumerate(orientation.angles)}
+    return angles
 
 
 def turning_angle(cos: Array, sin: Array, near: Array) -> Array:

@@ -78,14 +78,14 @@ def newton(
         for (j, order), delta in zip(step.columns, change, strict=True):
             local[j][order] = local[j][order] + delta
         values = np.array([local[j][order] for j, order in step.columns])
-        done = np.abs(change).max(axis=0) <= NEWTON_TOLERANCE * np.abs(values).max(axis=0)
+        converged = np.abs(change).max(axis=0) <= NEWTON_TOLERANCE * np.abs(values).max(axis=0)
         if step.loose:  # near a singular place the last digits of a solution are undetermined
             size = (np.abs(matrix) * np.abs(values)).sum(axis=1)
             wrong = (np.abs(right) / np.maximum(size, FLOOR * size.max(axis=0))).max(axis=0)
-            done = (wrong <= NEWTON_TOLERANCE) | (done & (wrong <= SOLVED))
-        if done.all():
+            converged = (wrong <= NEWTON_TOLERANCE) | (converged & (wrong <= SOLVED))
+        if converged.all():
             break
-    return np.where(done, values, np.nan), determinant, matrix
+    return np.where(converged, values, np.nan), determinant, matrix
 
 
 def continue_along(

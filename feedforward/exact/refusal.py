@@ -116,8 +116,8 @@ def failure(
 
 
 def _refused(rig: Rig, when: str, outputs: Array, reason: str) -> PathError:
-    named = zip(rig.outputs, outputs, strict=True)
-    place = ", ".join(f"{name} = {value:.4g}" for name, value in named)
+    pairs = zip(rig.outputs, outputs, strict=True)
+    place = ", ".join(f"{name} = {value:.4g}" for name, value in pairs)
     return PathError(f"rig {rig.name} cannot follow the path {when} ({place}): {reason}")
 
 
@@ -148,7 +148,7 @@ def reversal(equations: Equations, values: Array) -> tuple[int, str] | None:
     Unknowns, or coordinates alone, are (unknowns, N).
     """
     state = np.vstack((values[: len(equations.names)], np.ones(values.shape[1])))
-    found: list[tuple[int, str]] = []
+    reversals: list[tuple[int, str]] = []
     for rope in equations.rig.ropes:
         for k, (before, after) in enumerate(pairwise(rope.path)):
             span = (equations.points[after] - equations.points[before]) @ state
@@ -158,8 +158,8 @@ def reversal(equations: Equations, values: Array) -> tuple[int, str] | None:
                 size = np.linalg.norm(span[:, max(i - 1, 0) : i + 1], axis=0)
                 point = f"its own winch at {before}" if k == 0 else f"the point {before}"
                 how = "grow beyond all bounds" if size[-1] > size[0] else f"pass through {point}"
-                found.append((i, f"rope {rope.name} would {how}"))
-    return min(found, default=None)
+                reversals.append((i, f"rope {rope.name} would {how}"))
+    return min(reversals, default=None)
 
 
 def stay_on_rails(rig: Rig, names: tuple[str, ...], positions: Array, times: Array) -> None:
@@ -174,7 +174,7 @@ def stay_on_rails(rig: Rig, names: tuple[str, ...], positions: Array, times: Arr
 
 def off_rails(rig: Rig, names: tuple[str, ...], positions: Array) -> tuple[int, str] | None:
     """The first sample of coordinates (coordinates, N) with a trolley off its rail, and where."""
-    found: list[tuple[int, str]] = []
+    departures: list[tuple[int, str]] = []
     for trolley in rig.trolleys:
         rail = rig.rail(trolley.rail)
         place = positions[names.index(trolley.coordinate)]
@@ -182,5 +182,5 @@ def off_rails(rig: Rig, names: tuple[str, ...], positions: Array) -> tuple[int, 
         if beyond.any():
             i = int(beyond.argmax())
             where = f"{rail.name} goes from {rail.start:g} m to {rail.end:g} m"
-            found.append((i, f"{trolley.name} is at {place[i]:.4g} m, rail {where}"))
-    return min(found, default=None)
+            departures.append((i, f"{trolley.name} is at {place[i]:.4g} m, rail {where}"))
+    return min(departures, default=None)

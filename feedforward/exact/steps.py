@@ -124,7 +124,7 @@ def _slope(row: Row, order: int, unknown: int, highest: int) -> Slope:
     if highest == order:
         constant += sum(a for a, j in row.linear if j == unknown)
         for a, j, k in row.quadratic:
-            terms += [(a, other) for one, other in ((j, k), (k, j)) if one == unknown]
+            terms += [(a, factor) for w, factor in ((j, k), (k, j)) if w == unknown]
     if highest == order + 2:
         constant += sum(a * (order + 1) * highest for a, j in row.second if j == unknown)
     return Slope(constant, tuple(terms))

@@ -165,8 +165,8 @@ def _rows(equations: Equations, servo: Servo) -> tuple[Row, ...]:
                 ),
             )
         )
-    named = zip(equations.constraint_names, equations.constraints, strict=True)
-    for k, (name, matrix) in enumerate(named):
+    constraints = zip(equations.constraint_names, equations.constraints, strict=True)
+    for k, (name, matrix) in enumerate(constraints):
         if k in servo.implied:
             continue
         rows.append(

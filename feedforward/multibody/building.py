@@ -81,7 +81,7 @@ def _rigidity(body: Body, rows: Rows) -> list[tuple[str, Array]]:
     for i, k in pairs:
         factor = 0.5 if i == k else 1.0
         terms = dot(rows.director(body.name, i), rows.director(body.name, k), factor)
-        constant = [(-0.5, rows.one, rows.one)] if i == k else []
+        constant = [(-0.5, rows.unity, rows.unity)] if i == k else []
         forms.append((f"{body.name}.d{k + 1}d{i + 1}", form(*terms, *constant)))
     return forms
 

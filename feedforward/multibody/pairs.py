@@ -29,7 +29,7 @@ def _spherical(part: Spherical | Revolute, rows: Rows) -> Iterator[Named]:
     """Equal points."""
     gap = rows.point(part.second) - rows.point(part.first)
     for axis, component in zip("xyz", gap, strict=False):
-        yield axis, form((1.0, component, rows.one))
+        yield axis, form((1.0, component, rows.unity))
 
 
 @constraints.register
@@ -65,7 +65,7 @@ def _rope(part: Rope, rows: Rows) -> Iterator[Named]:
     span = rows.point(part.second) - rows.point(part.first)
     start = [rows.start(point) for point in (part.first, part.second)]
     angle = rows.row(part.angle)
-    length = float(np.linalg.norm(start[1] - start[0])) * rows.one + part.radius * angle
+    length = float(np.linalg.norm(start[1] - start[0])) * rows.unity + part.radius * angle
     yield "length", form(*dot(span, span, 0.5), (-0.5, length, length))
 
 
@@ -74,7 +74,7 @@ def _slide(part: Slide, rows: Rows) -> Iterator[Named]:
     """The distance along the axis less its coordinate (Y 2.106)."""
     gap = rows.point(part.second) - rows.point(part.first)
     axis = rows.vector(part.first.body, _unit(part.axis, part.name, rows.dimension))
-    yield "along", form(*dot(axis, gap), (-1.0, rows.row(part.name), rows.one))
+    yield "along", form(*dot(axis, gap), (-1.0, rows.row(part.name), rows.unity))
 
 
 @constraints.register

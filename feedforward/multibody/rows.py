@@ -22,7 +22,7 @@ class Rows:
         self.bodies = {body.name: body for body in mechanism.bodies}
         bodies = [name for body in mechanism.bodies for vector in vectors(body) for name in vector]
         self.names = (*bodies, *(part.name for part in mechanism.augmentations))
-        self.one = self.constant(1.0)
+        self.unity = self.constant(1.0)
 
     def constant(self, value: float) -> Array:
         """Row of a constant, shape (n + 1,)."""

@@ -190,8 +190,8 @@ def clearance(
     nearest = Clearance(math.inf, 0.0, "", "")
     for _ in range(1 + REFINEMENTS):
         motion = solve(rig, reference, times)
-        found = _closest(motion, obstacles, float(load_radius), ropes)
-        nearest = min(nearest, found, key=lambda one: one.distance)
+        closest = _closest(motion, obstacles, float(load_radius), ropes)
+        nearest = min(nearest, closest, key=lambda candidate: candidate.distance)
         times = np.linspace(nearest.time - step, nearest.time + step, BETWEEN)
         times = np.clip(times, 0.0, reference.duration)
         step = 2.0 * step / (BETWEEN - 1)
@@ -204,16 +204,16 @@ def _closest(
     """The smallest distance at the samples of a motion."""
     places = _places(motion)
     hanging: tuple[Load | Platform, ...] = (*motion.rig.loads, *motion.rig.platforms)
-    found = []
+    candidates = []
     for obstacle in obstacles:
         for load in hanging:
             gaps = obstacle.distance(places[load.name]) - load_radius
-            found.append((gaps, load.name, obstacle.name))
+            candidates.append((gaps, load.name, obstacle.name))
         for rope in motion.rig.ropes if ropes else ():
             for a, b in pairwise(rope.path):
                 gaps = obstacle.segment_distance(places[a], places[b])
-                found.append((gaps, f"rope {rope.name}", obstacle.name))
-    gaps, part, name = min(found, key=lambda one: float(one[0].min()))
+                candidates.append((gaps, f"rope {rope.name}", obstacle.name))
+    gaps, part, name = min(candidates, key=lambda candidate: float(candidate[0].min()))
     i = int(gaps.argmin())
     return Clearance(float(gaps[i]), float(motion.times[i]), part, name)
 

@@ -129,19 +129,21 @@ class _Bounds:
             raise
         except PathError as error:
             return _Tightest(-math.inf, "the workspace", 0.0, str(error))
-        found = []
+        candidates = []
         for rope, tensions in zip(self.rig.rope_names, motion.tensions.T, strict=True):
             i = int(tensions.argmin())
             reason = f"the tension of rope {rope} is {tensions[i]:.4g} N at {times[i]:.4g} s"
             spare = (tensions[i] - self.margin) / self.rig.weight
-            found.append(_Tightest(float(spare), f"rope {rope}", float(times[i]), reason))
+            candidates.append(_Tightest(float(spare), f"rope {rope}", float(times[i]), reason))
         for drive, inputs in zip(self.rig.drives, np.abs(motion.inputs.T), strict=True):
             i = int(inputs.argmax())
             needs = f"{inputs[i]:.4g} {driven_unit(self.rig, drive)}"
             reason = f"drive {drive.name} needs {needs} at {times[i]:.4g} s"
             spare = 1.0 - inputs[i] / (self.share * drive.limit)
-            found.append(_Tightest(float(spare), f"drive {drive.name}", float(times[i]), reason))
-        return min(found)
+            candidates.append(
+                _Tightest(float(spare), f"drive {drive.name}", float(times[i]), reason)
+            )
+        return min(candidates)
 
     def hold(self, duration: float) -> bool:
         """Whether a move of this duration is within the bounds, up to rounding."""

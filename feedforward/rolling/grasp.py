@@ -98,19 +98,19 @@ class ContactForces:
 
 def weight_of(motion: HandMotion) -> float:
     """The unit of forces [N]: the weight, or what the motion needs if that is more."""
-    held = motion.hand.held
+    body = motion.hand.held
     needed = wrench(motion)
     sizes = [np.linalg.norm(needed[:, :3], axis=1), np.linalg.norm(needed[:, 3:], axis=1)]
     most = [float(size.max(initial=0.0)) for size in sizes]
-    weight = held.mass * float(np.linalg.norm(motion.hand.gravity))
-    return max(weight, most[0], most[1] / held.radius) or held.mass
+    weight = body.mass * float(np.linalg.norm(motion.hand.gravity))
+    return max(weight, most[0], most[1] / body.radius) or body.mass
 
 
 def wrench(motion: HandMotion) -> Array:
     """Force [N] and moment about the centre [N m] that the motion needs, (N, 6) (K 2.48, 2.49)."""
-    held = motion.hand.held
-    force = held.mass * (motion.acceleration - np.array(motion.hand.gravity))
-    return np.concatenate((force, held.inertia * motion.angular_acceleration), axis=1)
+    body = motion.hand.held
+    force = body.mass * (motion.acceleration - np.array(motion.hand.gravity))
+    return np.concatenate((force, body.inertia * motion.angular_acceleration), axis=1)
 
 
 def grasp_matrix(motion: HandMotion) -> Array:

@@ -62,16 +62,16 @@ class Regulator:
     """Derivative gains d [N s/m], [N m s/rad]."""
 
     def __post_init__(self) -> None:
-        wanted = len(self.rig.drives)
+        drives = len(self.rig.drives)
         for name in ("stiffness", "damping"):
-            given = getattr(self, name)
+            value = getattr(self, name)
             try:
-                gains = np.array(given, dtype=float)
+                gains = np.array(value, dtype=float)
             except (TypeError, ValueError):
                 gains = np.array(np.nan)
-            if gains.shape != (wanted,) or not (np.isfinite(gains) & (gains >= 0)).all():
+            if gains.shape != (drives,) or not (np.isfinite(gains) & (gains >= 0)).all():
                 raise OptionError(
-                    f"{name} is {given!r}, it must be {wanted} numbers >= 0, "
+                    f"{name} is {value!r}, it must be {drives} numbers >= 0, "
                     f"one for each drive of {self.rig.name}"
                 )
             object.__setattr__(self, name, tuple(gains.tolist()))
