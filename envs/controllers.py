@@ -24,10 +24,10 @@ from numpy.typing import ArrayLike
 
 from ..models.errors import OptionError
 from ..models.types import Array
+from ..models.values import bounded
 from .episodes import AnyTask
 from .gains import Gains, Track
 from .laws import AnyEnv, Law, laws_of, refuse_below, task_of, wrap
-from .option_checks import number
 
 
 class PDLaw(Law):
@@ -161,7 +161,7 @@ def Residual(env: AnyEnv, fraction: float = 0.2) -> Any:
     """
     task_of(env)
     refuse_below(env, "Residual")
-    return wrap(env, ResidualLaw(number("fraction", fraction, above=0, most=1)), fraction=fraction)
+    return wrap(env, ResidualLaw(bounded("fraction", fraction, above=0, most=1)), fraction=fraction)
 
 
 def _gain(task: AnyTask, name: str, value: ArrayLike) -> Array:

@@ -14,9 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..models.errors import OptionError
 from ..models.types import Array, Mask
+from ..models.values import bounded
 from .common import NOT_FINITE, Ids, Steps
 from .gains import Gains, Track
-from .option_checks import actions_of, number, substeps_of
+from .option_checks import actions_of, substeps_of
 from .plans import Layout, Planner, PlanT
 from .ranges import Ranges, ScenarioT
 from .rewards import Reward
@@ -77,10 +78,10 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         nthread: int | None,
     ) -> int:  # fmt: skip
         """Check and keep the options that all tasks share; the substeps of a control period."""
-        number("number of simulations", num, least=1, whole=True)
-        number("hold", hold, least=0, unit="s")
+        bounded("number of simulations", num, least=1, whole=True)
+        bounded("hold", hold, least=0, unit="s")
         if nthread is not None:
-            number("nthread", nthread, least=1, whole=True)
+            bounded("nthread", nthread, least=1, whole=True)
         if sensors not in SENSORS:
             raise OptionError(f"sensors is {sensors!r}, it must be one of {', '.join(SENSORS)}")
         self.num, self.sensors = int(num), sensors

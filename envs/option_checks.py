@@ -1,8 +1,6 @@
 """Checks of what users give to environments, controllers and disturbances."""
 
-import math
 from collections.abc import Mapping
-from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -10,35 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..models.errors import OptionError, did_you_mean
 from ..models.types import Array
-
-
-def number(
-    name: str,
-    value: object,
-    *,
-    above: float = -math.inf,
-    least: float = -math.inf,
-    most: float = math.inf,
-    whole: bool = False,
-    unit: str = "",
-) -> float:
-    """A finite number > `above`, >= `least` and <= `most`.
-
-    Raises
-    ------
-    OptionError
-        It is none.
-    """
-    real = isinstance(value, Real) and not isinstance(value, bool)
-    plain = float(value) if real else math.nan  # type: ignore[arg-type]
-    fits = above < plain and least <= plain <= most
-    if math.isfinite(plain) and fits and not (whole and plain % 1.0):
-        return plain
-    limits = {f"> {above:g}": above, f">= {least:g}": least, f"at most {most:g}": most}
-    rules = " and ".join(rule for rule, limit in limits.items() if math.isfinite(limit))
-    kind = f"a {'whole' if whole else 'finite'} number {rules}".rstrip()
-    text = f"{value} {unit}".rstrip() if real else repr(value)
-    raise OptionError(f"{name} is {text}, it must be {kind}")
+from ..models.values import bounded
 
 
 def seed_of(value: object) -> int | None:
@@ -51,7 +21,7 @@ def seed_of(value: object) -> int | None:
     """
     if value is None:
         return None
-    number("seed", value, least=0, whole=True)
+    bounded("seed", value, least=0, whole=True)
     return int(value)  # type: ignore[call-overload, no-any-return]
 
 
@@ -80,8 +50,8 @@ def substeps_of(rate: float, timestep: float) -> int:
     OptionError
         A control period is not a whole number of time steps.
     """
-    rate = number("rate", rate, above=0, unit="Hz")
-    timestep = number("timestep", timestep, above=0, unit="s")
+    rate = bounded("rate", rate, above=0, unit="Hz")
+    timestep = bounded("timestep", timestep, above=0, unit="s")
     exact = 1.0 / (rate * timestep)
     whole = round(exact)
     # Rates and time steps are decimal numbers, whose quotients are whole up to rounding.

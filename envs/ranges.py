@@ -33,8 +33,8 @@ from numpy.typing import ArrayLike
 
 from ..models.errors import OptionError, did_you_mean
 from ..models.types import Array
+from ..models.values import bounded
 from .common import AnyScenario
-from .option_checks import number
 
 
 def quantity(neutral: float, **rule: Any) -> Any:
@@ -55,7 +55,7 @@ class PlantScenario:
     def __post_init__(self) -> None:
         for item in fields(self):
             if "rule" in item.metadata:
-                number(f"scenario: {item.name}", getattr(self, item.name), **item.metadata["rule"])
+                bounded(f"scenario: {item.name}", getattr(self, item.name), **item.metadata["rule"])
 
     def disturb(self, plant: Any, sim: int) -> None:
         """Change simulation `sim` of a plant at the start of an episode; a hook of subclasses."""
@@ -85,11 +85,11 @@ class Ranges(ABC, Generic[ScenarioT]):
             name, value, rule = item.name, getattr(self, item.name), rules[item.name]
             label = f"disturbances: {name}"
             if name in self.single:
-                number(label, value, **rule)
+                bounded(label, value, **rule)
                 continue
             if not isinstance(value, tuple | list) or len(value) != 2:
                 raise OptionError(f"{label} is {value!r}, it must be (low, high)")
-            low, high = (number(label, end, **rule) for end in value)
+            low, high = (bounded(label, end, **rule) for end in value)
             if not low <= high:
                 raise OptionError(f"{label} is ({low:g}, {high:g}), low must not exceed high")
             ends = (int(low), int(high)) if rule.get("whole") else (low, high)
@@ -170,8 +170,8 @@ class Ranges(ABC, Generic[ScenarioT]):
         """
         from scipy.stats import qmc  # only here: slow to import
 
-        size = int(number("number of scenarios", size, least=1, whole=True))
-        seed = int(number("seed", seed, least=0, whole=True))
+        size = int(bounded("number of scenarios", size, least=1, whole=True))
+        seed = int(bounded("seed", seed, least=0, whole=True))
         cubes: list[Array] = []
         for group, count in enumerate(self.shares):
             # Groups have generators of their own, so that a later one leaves the others alone.

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..models.errors import PathError
 from ..models.types import Array
+from ..models.values import as_number
 
 SHORTEST, LONGEST = 1e-6, 1e9
 """Durations [s] whose powers, by which derivatives are divided, stay far from overflow."""
@@ -101,13 +102,3 @@ def check_times(times: object) -> Array:
     if missing.any():
         raise PathError(f"times[{int(missing.argmax())}] is NaN, it must be a time in s")
     return array
-
-
-def as_number(value: object) -> float:
-    """A real number as a float; NaN for anything else, truth values and numerals included."""
-    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
-        return math.nan
-    try:
-        return float(value)
-    except OverflowError:  # an integer of hundreds of digits
-        return math.inf if value > 0 else -math.inf

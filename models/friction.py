@@ -14,7 +14,6 @@ within 4 % of it beyond two widths and zero at rest.  It cannot hold a rope stil
 matters, as in a plant, take `dry` for the largest friction that the rest can bear.
 """
 
-import math
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -22,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from .errors import OptionError
 from .types import Array
+from .values import bounded
 
 
 @dataclass(frozen=True)
@@ -51,11 +51,11 @@ class Friction:
             value = getattr(self, field.name)
             if field.name == "static" and value is None:
                 continue
-            positive = field.name in ("stribeck_velocity", "width")
-            number = isinstance(value, int | float) and math.isfinite(value)
-            if not number or value < 0 or (positive and value == 0):
-                sign = "> 0" if positive else ">= 0"
-                raise OptionError(f"friction: {field.name} is {value!r}, it must be {sign}")
+            if field.name in ("stribeck_velocity", "width"):
+                plain = bounded(f"friction: {field.name}", value, above=0, rule="> 0")
+            else:
+                plain = bounded(f"friction: {field.name}", value, least=0, rule=">= 0")
+            object.__setattr__(self, field.name, plain)
         if self.static is not None and self.static < self.coulomb:
             raise OptionError(
                 f"friction: static is {self.static:g} N, it must be >= coulomb, {self.coulomb:g} N"

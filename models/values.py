@@ -5,11 +5,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from functools import wraps
 from numbers import Real
-from typing import Any, Literal, ParamSpec, TypeVar, get_origin
+from typing import Any, Literal, ParamSpec, TypeGuard, TypeVar, get_origin
 
 import numpy as np
 
-from .errors import RigError
+from .errors import FlatrigError, OptionError, RigError
 
 Vector = tuple[float, float, float]
 
@@ -20,20 +20,71 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
+def is_number(value: object) -> TypeGuard[float]:
+    """Whether it is a real number: int, float, Fraction or NumPy scalar, but no truth value."""
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def as_number(value: object) -> float:
+    """A real number as a float, and NaN for anything else, which then passes no comparison."""
+    if not is_number(value):
+        return math.nan
+    try:
+        return float(value)
+    except OverflowError:  # an integer of hundreds of digits
+        return math.inf if value > 0 else -math.inf
+
+
+def bounded(
+    label: str,
+    value: object,
+    *,
+    above: float = -math.inf,
+    least: float = -math.inf,
+    most: float = math.inf,
+    whole: bool = False,
+    unit: str = "",
+    rule: str = "",
+    error: type[FlatrigError] = OptionError,
+) -> float:
+    """A finite number > `above`, >= `least` and <= `most`.
+
+    Parameters
+    ----------
+    whole
+        Whether it has to be a whole number, which may be written as 4.0.
+    unit
+        Unit of the value, for the message.
+    rule
+        What it must be, for the message; made from the bounds if left out.
+
+    Raises
+    ------
+    FlatrigError
+        It is none; of class `error`.
+    """
+    plain = as_number(value)
+    fits = above < plain and least <= plain <= most
+    if math.isfinite(plain) and fits and not (whole and plain % 1.0):
+        return plain
+    limits = {f"> {above:g}": above, f">= {least:g}": least, f"at most {most:g}": most}
+    bounds = " and ".join(bound for bound, limit in limits.items() if math.isfinite(limit))
+    rule = rule or f"a {'whole' if whole else 'finite'} number {bounds}".rstrip()
+    text = f"{value} {unit}".rstrip() if is_number(value) else repr(value)
+    raise error(f"{label} is {text}, it must be {rule}")
+
+
 def number(label: str, value: object, *, endless: bool = False) -> float:
-    """A finite number, from any real type; an infinite one too if `endless`.
+    """A number of a rig or a hand, finite and not absurdly large; also infinite if `endless`.
 
     Raises
     ------
     RigError
         It is none.
     """
-    if isinstance(value, bool) or not isinstance(value, Real):
+    if not is_number(value):
         raise RigError(f"{label} is {value!r}, it must be a number")
-    try:
-        plain = float(value)
-    except OverflowError:
-        plain = math.inf
+    plain = as_number(value)
     if math.isinf(plain) and endless:
         return plain
     if not abs(plain) <= LARGEST:
@@ -156,7 +207,7 @@ class Home(Mapping[str, float | Vector]):
         self._values: dict[str, float | Vector] = {}
         for name, value in values.items():
             label = f"home of {word('a name in home', name)}"
-            if isinstance(value, Real):
+            if is_number(value):
                 self._values[name] = number(label, value)
             else:
                 self._values[name] = vector(label, value)

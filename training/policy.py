@@ -31,6 +31,7 @@ from ..envs.crane.task import CraneTask
 from ..models.errors import OptionError
 from ..models.files import replacing, write_text
 from ..models.types import Array
+from ..models.values import as_number, is_number
 from .recall import Memory, Recall
 
 FORMAT = 1
@@ -81,9 +82,9 @@ class Card:
         )
         for name, values, highest in ranges:
             for value in values:
-                if isinstance(value, bool) or not isinstance(value, int | float):
+                if not is_number(value):
                     raise ValueError(f"{name} is {value!r}, it must be a number")
-                if not (0 < value <= highest and np.isfinite(value)):
+                if not (0 < as_number(value) <= highest and as_number(value) < np.inf):
                     raise ValueError(f"{name} is {value}, it must be in (0, {highest:g}]")
         if self.every != int(self.every):
             raise ValueError(f"every is {self.every}, it must be a whole number")

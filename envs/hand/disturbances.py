@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike
 from ...models.errors import OptionError
 from ...models.hand.hand import Hand
 from ...models.types import Array
-from ...models.values import Vector
+from ...models.values import Vector, bounded
 from ..common import LONGEST_DELAY, Range
-from ..option_checks import number
 from ..ranges import PlantScenario, Ranges, quantity
 
 STANDARD_SHIFT = 0.02
@@ -62,7 +61,7 @@ class HandScenario(PlantScenario):
             value = getattr(self, name)
             if not isinstance(value, tuple | list | np.ndarray) or len(value) != 3:
                 raise OptionError(f"scenario: {name} is {value!r}, it must be three numbers")
-            parts = tuple(number(f"scenario: {name}", part) for part in value)
+            parts = tuple(bounded(f"scenario: {name}", part) for part in value)
             object.__setattr__(self, name, parts)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from ...models.errors import OptionError, did_you_mean
 from ...models.rig.rig import Rig
 from ...models.types import Array
-from ..checks import as_number
+from ...models.values import as_number
 from ..exact.refusal import accept_columns, off_rails, reversal
 from ..paths.reference import Reference
 from .formulation import Formulation, prescribed
@@ -82,7 +82,7 @@ def integrate(
     rest = State(start, np.zeros_like(start), np.zeros_like(start))
     stepper = _Stepper(equations, method, reference, rest)
     if tolerance is None:
-        times, states, failure = stepper.constant(step)
+        times, states, failure = stepper.constant(float(step))
     else:
         times, states, failure = stepper.controlled(step, tolerance)
     impossible = _impossible(equations, states)

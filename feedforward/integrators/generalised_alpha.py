@@ -10,7 +10,7 @@ from typing import ClassVar
 
 from ...models.errors import OptionError
 from ...models.types import Array
-from ..checks import as_number
+from ...models.values import as_number
 from ..multibody.system import System
 from .body_state import State
 from .iteration import Stage

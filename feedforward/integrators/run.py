@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from ...models.errors import OptionError, RigError, did_you_mean
 from ...models.types import Array
-from ..checks import as_number
+from ...models.values import as_number
 from ..multibody.building import TOLERANCE
 from ..multibody.system import System
 from .body_state import Counters, Failure, Run, Scheme, State, Step

@@ -17,7 +17,8 @@ import numpy as np
 
 from ...models.errors import PathError
 from ...models.types import Array
-from ..checks import as_number, check_order
+from ...models.values import as_number
+from ..checks import check_order
 from .polynomials import blend_sum, derivative_factor, folded, parity_horner, powers, rising
 
 ALWAYS_SMOOTH = 10**6

@@ -29,13 +29,8 @@ from scipy.interpolate import BSpline
 
 from ...models.errors import PathError
 from ...models.types import Array
-from ..checks import (
-    LARGEST,
-    as_number,
-    check_duration,
-    check_order,
-    check_times,
-)
+from ...models.values import as_number
+from ..checks import LARGEST, check_duration, check_order, check_times
 from .reference import ReferencePath
 from .splines import fit
 

@@ -21,7 +21,7 @@ import numpy as np
 from ...models.errors import OptionError, PathError
 from ...models.rig.rig import Drive, Frame, Rig, Rope
 from ...models.types import Array
-from ..checks import as_number
+from ...models.values import as_number
 from ..exact.inverse import solve
 from ..exact.motion import Motion, Slack
 from ..exact.problem import problem_of

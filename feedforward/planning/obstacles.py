@@ -24,7 +24,8 @@ import numpy as np
 from ...models.errors import PathError
 from ...models.rig.rig import Load, Platform, Rig
 from ...models.types import Array
-from ..checks import as_number, check_point
+from ...models.values import as_number
+from ..checks import check_point
 from ..exact.equations import redundant
 from ..exact.inverse import solve
 from ..exact.motion import Motion

@@ -26,7 +26,8 @@ import numpy as np
 from ...models.errors import OptionError, PathError, SmoothnessError
 from ...models.rig.rig import Rig
 from ...models.types import Array
-from ..checks import as_number, check_duration
+from ...models.values import as_number
+from ..checks import check_duration
 from ..exact.inverse import solve
 from ..paths.reference import Reference, ReferencePath
 from .feasibility import TAUT, driven_unit

@@ -13,7 +13,7 @@ from scipy import sparse
 
 from ...models.errors import OptionError, PathError
 from ...models.types import Array
-from ..checks import as_number
+from ...models.values import as_number
 from .grasp import OUTSIDE, ContactForces, split, weight_of
 from .hand_motion import HandMotion
 

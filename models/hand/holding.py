@@ -10,6 +10,7 @@ import numpy as np
 
 from ..errors import ModelError
 from ..types import Array
+from ..values import bounded
 from .hand import Hand, Tip
 
 SQUEEZE = 5.0
@@ -62,8 +63,8 @@ def holding_forces(hand: Hand, squeeze: float | None = None) -> Array:
     weight = hand.held.mass * float(np.linalg.norm(gravity))
     if squeeze is None:
         squeeze = SQUEEZE * weight if len(hand.fingers) > 1 else 0.0
-    if not isinstance(squeeze, int | float) or not 0 <= squeeze < np.inf:
-        raise ModelError(f"squeeze is {squeeze!r} N, it must be a number >= 0")
+    rule = "a number >= 0"
+    squeeze = bounded("squeeze", squeeze, least=0, unit="N", rule=rule, error=ModelError)
     wrench = np.concatenate((-hand.held.mass * gravity, np.zeros(3)))
     forces = nearest_forces(hand, contacts, wrench, squeeze)
     normal = -np.einsum("ij,ij->i", forces, contacts)

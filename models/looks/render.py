@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import ModelError, OptionError
 from ..files import replacing
+from ..values import bounded
 
 Image = NDArray[np.uint8]
 
@@ -223,10 +224,8 @@ def _write_mp4(path: Path, images: Iterator[Image], fps: float) -> None:
 
 
 def _check_fps(fps: float) -> None:
-    if not isinstance(fps, int | float | np.number) or not SLOWEST <= fps <= FASTEST:
-        raise OptionError(
-            f"fps is {fps!r}, it must be > 0 (from {SLOWEST:g} to {FASTEST:g} pictures per second)"
-        )
+    rule = f"> 0 (from {SLOWEST:g} to {FASTEST:g} pictures per second)"
+    bounded("fps", fps, least=SLOWEST, most=FASTEST, rule=rule)
 
 
 def _trajectory(

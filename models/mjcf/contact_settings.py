@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 
 from ..errors import ModelError, did_you_mean
+from ..values import as_number
 from .rig_model import INTEGRATORS
 
 CONES = {"elliptic": mujoco.mjtCone.mjCONE_ELLIPTIC, "pyramidal": mujoco.mjtCone.mjCONE_PYRAMIDAL}
@@ -56,7 +57,7 @@ class ContactSettings:
 
 
 def _positive(value: object) -> bool:
-    return isinstance(value, int | float | np.number) and bool(0 < value < np.inf)
+    return 0 < as_number(value) < np.inf
 
 
 RECOMMENDED = ContactSettings()

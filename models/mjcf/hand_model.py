@@ -33,6 +33,7 @@ from ..hand.hand import Finger, Hand, Plate, Tip
 from ..hand.holding import holding_forces, motor_forces
 from ..looks import hand_looks
 from ..types import Array
+from ..values import bounded
 from .contact_settings import CONES, MUJOCO_DEFAULTS, RECOMMENDED, ContactSettings
 from .rig_model import INTEGRATORS
 
@@ -106,8 +107,8 @@ def hand_spec(
     visuals: bool = True,
 ) -> mujoco.MjSpec:
     """The same as an editable `mujoco.MjSpec`; parameters and errors as `compile_hand`."""
-    if not isinstance(servo, int | float) or not 0 <= servo < np.inf:
-        raise ModelError(f"servo is {servo!r} rad/s, it must be a number >= 0")
+    rule = "a number >= 0"
+    servo = bounded("servo", servo, least=0, unit="rad/s", rule=rule, error=ModelError)
     scene = mujoco.MjSpec()
     scene.modelname = hand.name
     scene.compiler.degree = False

@@ -33,6 +33,7 @@ from ..looks import scene as looks
 from ..rig.chain import Link, Part, links
 from ..rig.rig import WORLD, Frame, Platform, Rig, Trolley
 from ..types import Array
+from ..values import as_number
 from . import rigging, spools
 from .armature import check, tendon_jacobian
 from .rig_state import State, coordinates, joint_state, paid_out, points, tensions
@@ -194,11 +195,10 @@ def _options(
     if not isinstance(integrator, str) or integrator not in INTEGRATORS:
         known = did_you_mean(str(integrator), INTEGRATORS)
         raise ModelError(f"there is no integrator {integrator!r}{known}")
-    number = isinstance(timestep, int | float | np.number) and not isinstance(timestep, bool)
-    if not number or not TIMESTEPS[0] <= timestep <= TIMESTEPS[1]:
+    if not TIMESTEPS[0] <= as_number(timestep) <= TIMESTEPS[1]:
         limits = "{:g} s to {:g} s".format(*TIMESTEPS)
         raise ModelError(f"timestep is {timestep!r} s, it must be a number > 0 ({limits})")
-    scene.option.timestep = timestep
+    scene.option.timestep = float(timestep)
     scene.option.integrator = INTEGRATORS[integrator]
     scene.option.gravity = [0, 0, -rig.gravity]
     scene.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
@@ -214,9 +214,8 @@ def _check_masses(rig: Rig, massless: float | None) -> None:
             f"load {without[0]}: mass is 0 kg, MuJoCo needs a positive mass on every body; give "
             "one that stands in for it [kg], as in compile(rig, massless=1e-3)"
         )
-    number = isinstance(massless, int | float | np.number) and not isinstance(massless, bool)
     largest = LARGEST_SHARE * rig.weight / rig.gravity
-    if massless is not None and not (number and 0 < massless <= largest):
+    if massless is not None and not 0 < as_number(massless) <= largest:
         raise ModelError(
             f"massless is {massless!r} kg, it must be a number > 0 and at most {largest:g}, "
             f"{LARGEST_SHARE:g} of the loads' mass"

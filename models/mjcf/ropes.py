@@ -30,6 +30,7 @@ from numpy.typing import ArrayLike
 from ..errors import ModelError, did_you_mean
 from ..rig.rig import Rig, Rope
 from ..types import Array
+from ..values import bounded
 
 KINDS = ("rigid", "elastic", "slack")
 """What ropes may be."""
@@ -191,8 +192,9 @@ def _of(option: PerRope, name: str, rope: Rope) -> float:
 
 def _check(name: str, value: Any, lowest: float | None) -> None:
     """Refuse what is not a finite number > 0, or >= `lowest` if there is one."""
-    number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-    good = number and value < np.inf and (value > 0 if lowest is None else value >= lowest)
-    if not good:
-        rule = "> 0" if lowest is None else f">= {lowest:g}"
-        raise ModelError(f"ropes: {name} is {value!r}, it must be a number {rule}")
+    label = f"ropes: {name}"
+    if lowest is None:
+        bounded(label, value, above=0.0, rule="a number > 0", error=ModelError)
+    else:
+        rule = f"a number >= {lowest:g}"
+        bounded(label, value, least=lowest, rule=rule, error=ModelError)
