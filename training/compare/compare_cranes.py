@@ -7,24 +7,22 @@ a difference between controllers, and intervals are of paired bootstrap resample
 
 from collections.abc import Callable, Sequence
 from functools import cache, partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.progress import track
 
 from ... import feedforward
 from ...envs import CraneVectorEnv
 from ...envs.crane.disturbances import Disturbances, Scenario, design
 from ...envs.crane.payloads import payloads
 from ...models import Move, Rig
-from ...models.errors import OptionError
 from ...models.files import make_folder
-from ...models.types import Array
 from .. import options
-from ..console import console
 from ..policy import Policy, shipped
-from .contenders import EVALUATION_SEED, contenders_for, with_residual
+from .contenders import EVALUATION_SEED, Contender, with_residual
+from .driving import drive_all, periods
 from .metrics import SETTLED, Metrics, Record, between, measure
 from .report import INTERVALS, Column, Comparison, Run, show, write
 
@@ -87,32 +85,22 @@ class Runner:
         task, num = self.task, len(self.scenarios)
         if policy is not None:
             policy.check(task)
-            memory = policy.start(num)
-        env = wrap(self.env)
-        observation, _ = env.reset(seed=0, options={"scenarios": self.scenarios})
-        action = np.zeros((num, len(task.action_names)))
-        alive = np.ones(num, dtype=bool)
-        rows: dict[str, list[Array]] = {"load": [], "input": [], "tension": []}
-        alive_rows = []
-        for _ in range(self.steps):
-            if policy is not None:
-                action = policy(observation, memory)
-            observation, _, terminated, _, info = env.step(action)
-            alive = alive & ~terminated
-            alive_rows.append(alive)
-            for name, row in rows.items():
-                row.append(np.array(info[name]))
+        rows = [
+            (alive, *(np.array(info[name]) for name in ("load", "input", "tension")))
+            for alive, info in islice(periods(wrap(self.env), self.scenarios, policy), self.steps)
+        ]
+        alive, outputs, inputs, tensions = map(np.array, zip(*rows, strict=True))
         times = task.period * np.arange(1, self.steps + 1)
         path = np.repeat(self.reference(times)[:, None], num, axis=1)
-        outputs, (places, angles) = np.array(rows["load"]), carried(task.rig)
+        places, angles = carried(task.rig)
         return Record(
             times=times,
             arrival=np.full(num, self.arrival),
             load=outputs[..., places],
             reference=path[..., places],
-            inputs=np.array(rows["input"]) / task.limits,
-            tensions=np.array(rows["tension"]),
-            alive=np.array(alive_rows),
+            inputs=inputs / task.limits,
+            tensions=tensions,
+            alive=alive,
             turn=between(path[..., angles], outputs[..., angles]) if angles else None,
         )
 
@@ -137,8 +125,7 @@ def carried(rig: Rig) -> tuple[list[int], list[int]]:
 def main(command: options.Compare) -> None:
     """Compare, print the table, and save tables and figure."""
     rig, move = command.target()
-    if command.scenarios < 1:
-        raise OptionError(f"--scenarios is {command.scenarios}, it must be >= 1")
+    options.check_number("--scenarios", command.scenarios, lowest=1, open_end=False)
     folder = Path(command.output or f"results/compare-{command.label()}")
     policy = Policy.load(command.policy) if command.policy else shipped(rig.name)
     scenarios = [Scenario()] if command.nominal else scenarios_for(rig, command.scenarios)
@@ -176,17 +163,16 @@ def compare(
     runner = cache(lambda sensors: Runner(rig, move, scenarios, sensors=sensors))
     if policy is not None:
         policy.check(runner(policy.card.sensors).task)
-    entries = contenders_for("crane")
-    absent = [entry for entry in entries if entry.learned and policy is None]
-    runs = []
-    running = [entry for entry in entries if entry not in absent]
-    for entry in track(running, "Driving", transient=True, console=console()):
+
+    def drive(entry: Contender) -> Run:
         if policy is not None and entry.learned:
             wrap = partial(entry.wrap, fraction=policy.card.fraction)
             record = runner(policy.card.sensors).drive(wrap, policy)
         else:
             record = runner(entry.sensors).drive(entry.wrap)
-        runs.append(Run(entry, record.distance, measure(record)))
+        return Run(entry, record.times, record.distance, measure(record))
+
+    runs, absent = drive_all("crane", drive, learned=policy is not None)
     turned = np.isfinite(runs[0].metrics.turn).any()
     return Comparison(
         kind="rig",
@@ -194,8 +180,7 @@ def compare(
         thing="Load",
         units="m, rad, s, N, shares of the limits",
         scenarios=scenarios,
-        times=record.times,
-        arrival=float(np.min(record.arrival)),
+        arrival=feedforward.from_move(move).duration,
         runs=runs,
         absent=absent,
         columns=(*COLUMNS, TURN) if turned else COLUMNS,

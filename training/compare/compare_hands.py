@@ -13,19 +13,18 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from rich.progress import track
 from rich.text import Text
 
 from ...envs import HandDisturbances, HandScenario, HandVectorEnv, hand_design
 from ...envs.hand.goals import DURATION
 from ...envs.hand.observation import pose_error
 from ...models import Hand, HandMove
-from ...models.errors import OptionError
 from ...models.files import make_folder
 from ...models.types import Array, Mask
 from .. import options
-from ..console import console, warning
-from .contenders import EVALUATION_SEED, Contender, contenders_for
+from ..console import warning
+from .contenders import EVALUATION_SEED, Contender
+from .driving import drive_all, periods
 from .report import INTERVALS, Column, Comparison, Run, show, write
 
 AWAY, TURNED = 1e-3, 0.5
@@ -70,8 +69,7 @@ class HandMetrics:
 def main(command: options.Compare) -> None:
     """Compare, print the table, and save tables and figure."""
     hand, move = command.hand_target()
-    if command.scenarios < 1:
-        raise OptionError(f"--scenarios is {command.scenarios}, it must be >= 1")
+    options.check_number("--scenarios", command.scenarios, lowest=1, open_end=False)
     if command.duration is None:
         move = replace(move, duration=DURATION)
     disturbances = HandDisturbances.standard(hand)
@@ -92,21 +90,15 @@ def compare(hand: Hand, move: HandMove, scenarios: Sequence[HandScenario]) -> Co
             hand, num_envs=len(scenarios), reference=move, sensors=sensors
         )
     )
-    entries = contenders_for("hand")
-    absent = [entry for entry in entries if entry.learned]
-    running = [entry for entry in entries if not entry.learned]
-    runs = [
-        drive(env(entry.sensors), entry, scenarios)
-        for entry in track(running, "Driving", transient=True, console=console())
-    ]
-    period = env(running[0].sensors).task.period
+    runs, absent = drive_all(
+        "hand", lambda entry: drive(env(entry.sensors), entry, scenarios), learned=False
+    )
     return Comparison(
         kind="hand",
         name=hand.name,
         thing="Object",
         units="m, rad, shares of the limits",
         scenarios=scenarios,
-        times=period * np.arange(1.0, len(runs[0].distance) + 1.0),
         arrival=move.duration,
         runs=runs,
         absent=absent,
@@ -125,33 +117,30 @@ def compare(hand: Hand, move: HandMove, scenarios: Sequence[HandScenario]) -> Co
 def drive(env: HandVectorEnv, contender: Contender, scenarios: Sequence[HandScenario]) -> Run:
     """Run all scenarios to their end with one contender."""
     task, num = env.task, len(scenarios)
-    wrapped = contender.wrap(env)
-    wrapped.reset(seed=0, options={"scenarios": list(scenarios)})
-    zero, reasons, alive = np.zeros((num, len(task.limits))), [""] * num, np.ones(num, dtype=bool)
-    pose = task.plant.outputs.copy()
-    distance, effort, periods = [], np.zeros(num), np.zeros(num)
+    steps = periods(contender.wrap(env), scenarios)
+    reasons, pose = [""] * num, task.plant.outputs.copy()
+    distance, effort, lasted = [], np.zeros(num), np.zeros(num)
     rows, place = task.plans[0].rows, task.rows.parts["outputs"].shape[1]
     planned = rows[:, 2 * len(task.limits) :][:, :place]
-    for row in planned[1:]:
-        _, _, terminated, _, info = wrapped.step(zero)
-        for i in np.flatnonzero(alive & terminated):
-            reasons[i] = info["reason"][i]
-        alive &= ~terminated
-        now = np.hstack((info["object"], info["rotation"].reshape(num, 9)))
-        pose = np.where(alive[:, None], now, pose)
+    for row, (alive, info) in zip(planned[1:], steps, strict=False):  # the steps are endless
+        for i in np.flatnonzero(~alive):
+            reasons[i] = reasons[i] or info["reason"][i]
+        present = np.hstack((info["object"], info["rotation"].reshape(num, 9)))
+        pose = np.where(alive[:, None], present, pose)
         squares = np.square(info["input"] / task.limits).mean(axis=1)
-        effort, periods = effort + np.where(alive, squares, 0.0), periods + alive
+        effort, lasted = effort + np.where(alive, squares, 0.0), lasted + alive
         distance.append(np.linalg.norm(pose[:, :3] - row[:3], axis=1))
     error, over_time = pose_error(pose, np.tile(planned[-1], (num, 1))), np.array(distance)
+    times = task.period * np.arange(1.0, len(distance) + 1.0)
     metrics = HandMetrics(
         away=over_time[-1],
         turned=np.linalg.norm(error[:, 3:], axis=1),
         rmse=np.sqrt(np.square(over_time).mean(axis=0)),
         largest=over_time.max(axis=0),
-        effort=np.sqrt(effort / np.maximum(periods, 1)),
+        effort=np.sqrt(effort / np.maximum(lasted, 1)),
         ended=reasons,
     )
-    return Run(contender, over_time, metrics)
+    return Run(contender, times, over_time, metrics)
 
 
 def _worst(metrics: HandMetrics) -> str:

@@ -39,6 +39,8 @@ class Run:
     """One contender's runs over N scenarios."""
 
     contender: Contender
+    times: Array
+    """Ends of the control periods [s], shape (T,)."""
     distance: Array
     """Distance of the load or object from its reference over time [m], shape (T, N)."""
     metrics: Any
@@ -64,8 +66,6 @@ class Comparison:
     """Units of the metrics."""
     scenarios: Sequence[Any]
     """The N scenarios."""
-    times: Array
-    """Ends of the control periods [s], shape (T,)."""
     arrival: float
     """When the reference reaches its goal [s]."""
     runs: Sequence[Run]
@@ -179,7 +179,7 @@ def write(comparison: Comparison, folder: Path) -> None:
     plots.comparison(
         comparison.heading.replace("_", " "),
         [run.name for run in runs],
-        comparison.times,
+        runs[0].times,
         comparison.arrival,
         [run.distance for run in runs],
         folder / "figure.png",

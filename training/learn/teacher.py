@@ -36,7 +36,8 @@ class Teacher:
         self._stiffness = task.gains().stiffness
         travel = np.linalg.norm(self._map, axis=2).mean(axis=0)
         self.fractions = np.minimum(self._stiffness * travel * reach / task.limits, 1.0)
-        up = np.array([name.endswith(".z") for name in rig.outputs])
+        heights = {f"{part.name}.z" for part in (*rig.loads, *rig.platforms)}
+        up = np.array([all(name in heights for _, name in rig.terms(o)) for o in rig.outputs])
         weights = np.where(up, np.array([VERTICAL]).T, np.array([HORIZONTAL]).T)
         self._error, self._rate, self._integral = weights
         self._sum = np.zeros((task.num, length))
