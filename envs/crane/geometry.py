@@ -17,8 +17,9 @@ from itertools import pairwise
 import numpy as np
 
 from ...models.errors import OptionError
-from ...models.mjcf.rig_state import State, coordinates, points, spans
+from ...models.mjcf.rig_state import State, coordinates, points
 from ...models.rig.chain import joint_names
+from ...models.rig.lengths import spans
 from ...models.rig.rig import Anchor, Rig
 from ...models.rig.turning_axes import carry
 from ...models.types import Array

@@ -1,6 +1,6 @@
 """How the parts of a crane are drawn: beam, trolley, winch, pulley, load, platform.
 
-Every function adds geoms to a body, in that body's axes; the size `unit` is about a trolley's.
+Every function adds geoms to a body, in that body's axes; `Painter.unit` is about a trolley's size.
 """
 
 from collections.abc import Sequence
@@ -13,16 +13,20 @@ from numpy.typing import ArrayLike
 
 from ..rig.rig import Anchor, Rail
 from ..types import Array
-from .scene import Sizes
+from .stage import Sizes
 
 Ends = tuple[ArrayLike, ArrayLike]
 
 
 class Painter:
-    """Adds named geoms of the classes that `looks.prepare` made."""
+    """Adds named geoms, of the classes that `stage.prepare` makes, at a scene's sizes."""
 
-    def __init__(self, scene: mujoco.MjSpec) -> None:
+    def __init__(self, scene: mujoco.MjSpec, size: Sizes) -> None:
         self.scene = scene
+        self.unit = size.unit
+        """A length that suits the scene: about a trolley's [m]."""
+        self.floor = size.floor
+        """Height of the floor [m]."""
 
     def rod(self, body: Any, name: str, look: str, ends: Ends, radius: float) -> None:
         """A round bar between two points."""
@@ -65,9 +69,9 @@ class Painter:
         )
 
 
-def beam(paint: Painter, body: Any, rail: Rail, ends: tuple[float, float], unit: float) -> None:
+def beam(paint: Painter, body: Any, rail: Rail, ends: tuple[float, float]) -> None:
     """An I-beam just above the trolleys of a rail."""
-    along, up = np.asarray(rail.direction), up_of(rail.direction)
+    unit, along, up = paint.unit, np.asarray(rail.direction), up_of(rail.direction)
     middle = np.asarray(rail.origin) + 0.5 * sum(ends) * along
     half = 0.5 * (ends[1] - ends[0]) + 0.5 * unit
     for name, height, width, thick in (
@@ -80,9 +84,9 @@ def beam(paint: Painter, body: Any, rail: Rail, ends: tuple[float, float], unit:
         paint.box(body, f"{rail.name}.{name}", "structure", centre, size, along)
 
 
-def trolley(paint: Painter, body: Any, rail: Rail, name: str, winch: bool, size: Sizes) -> None:
+def trolley(paint: Painter, body: Any, rail: Rail, name: str, winch: bool) -> None:
     """A carriage on four wheels under its beam, with a drum if a rope starts there."""
-    unit, along = size.unit, np.asarray(rail.direction)
+    unit, along = paint.unit, np.asarray(rail.direction)
     across, up = across_of(along), up_of(along)
     half = (0.65 * unit, 0.42 * unit, 0.12 * unit)
     paint.box(body, f"{name}.carriage", "machine", 0.05 * unit * up, half, along)
@@ -97,14 +101,12 @@ def trolley(paint: Painter, body: Any, rail: Rail, name: str, winch: bool, size:
     paint.drum(body, f"{name}.{label}", look, (drop - axle, drop + axle), 0.22 * unit)
 
 
-def anchor(
-    paint: Painter, body: Any, point: Anchor, winch: bool, sheave: bool, side: int, size: Sizes
-) -> None:
+def anchor(paint: Painter, body: Any, point: Anchor, winch: bool, sheave: bool, side: int) -> None:
     """A winch where a rope starts, a pulley where it passes, a plate where it ends.
 
     The winch stands on its bed if `side` is -1, and hangs from it if 1.
     """
-    unit, centre = size.unit, np.asarray(point.position)
+    unit, centre = paint.unit, np.asarray(point.position)
     level = unit * np.array([0.0, 1.0, 0.0])
     if winch:
         bed = centre + np.array([0, 0, 0.5 * side * unit])
@@ -122,9 +124,9 @@ def anchor(
         paint.box(body, f"{point.name}.plate", "steel", centre, (0.15 * unit,) * 3)
 
 
-def pulley(paint: Painter, body: Any, name: str, size: Sizes) -> None:
+def pulley(paint: Painter, body: Any, name: str) -> None:
     """A free pulley between two cheeks."""
-    unit = size.unit
+    unit = paint.unit
     axle = ((0, -0.12 * unit, 0), (0, 0.12 * unit, 0))
     paint.drum(body, f"{name}.sheave", "dark", axle, 0.36 * unit)
     for side, way in (("left", -1), ("right", 1)):
@@ -132,31 +134,31 @@ def pulley(paint: Painter, body: Any, name: str, size: Sizes) -> None:
         paint.box(body, f"{name}.cheek.{side}", "structure", (0, 0.16 * way * unit, 0), half)
 
 
-def platform(paint: Painter, body: Any, name: str, corners: Sequence[Anchor], size: Sizes) -> None:
+def platform(paint: Painter, body: Any, name: str, corners: Sequence[Anchor]) -> None:
     """A frame of tubes through the corners, with a round table in the middle."""
     places = [np.asarray(corner.position) for corner in corners]
     spans = [float(np.linalg.norm(place)) for place in places]
-    tube = 0.1 * min([size.unit, *(0.5 * span for span in spans if span > 0)])
+    tube = 0.1 * min([paint.unit, *(0.5 * span for span in spans if span > 0)])
     for (i, start), (j, end) in combinations(enumerate(places, start=1), 2):
         paint.rod(body, f"{name}.tube{i}.{j}", "structure", (start, end), tube)
     for i, place in enumerate(places, start=1):
         paint.rod(body, f"{name}.arm{i}", "steel", ((0, 0, 0), place), 0.7 * tube)
-    radius = 0.35 * min(spans, default=size.unit)
+    radius = 0.35 * min(spans, default=paint.unit)
     table = ((0, 0, -tube), (0, 0, tube))
     paint.drum(body, f"{name}.table", "machine", table, radius)
     tool = ((0, 0, -tube), (0, 0, -0.6 * radius))
     paint.drum(body, f"{name}.tool", "cargo", tool, 0.4 * radius)
 
 
-def eye(paint: Painter, body: Any, corner: Anchor, size: Sizes) -> None:
+def eye(paint: Painter, body: Any, corner: Anchor) -> None:
     """Where a rope is tied to a platform."""
-    half = (0.1 * min(size.unit, float(np.linalg.norm(corner.position)) or size.unit),) * 3
+    half = (0.1 * min(paint.unit, float(np.linalg.norm(corner.position)) or paint.unit),) * 3
     paint.box(body, f"{corner.name}.eye", "dark", corner.position, half)
 
 
-def cargo(paint: Painter, body: Any, name: str, size: Sizes) -> None:
+def cargo(paint: Painter, body: Any, name: str) -> None:
     """A crate on four slings; the rope's end, where the mass is, is their apex."""
-    unit = size.unit
+    unit = paint.unit
     paint.box(body, f"{name}.hook", "structure", (0, 0, 0), (0.13 * unit,) * 3)
     top, half = -0.9 * unit, 0.62 * unit
     paint.box(body, f"{name}.crate", "cargo", (0, 0, top - half), (half,) * 3)

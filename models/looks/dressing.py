@@ -1,147 +1,160 @@
 """Which part of a rig gets which looks: every body, rail, boom, anchor and rope of a scene."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 import numpy as np
 
 from ..rig.rig import WORLD, Anchor, Frame, Platform, Rail, Rig, Trolley
-from . import booms, drawing, structures
+from . import drawing, structures
+from .booms import Boom
 from .drawing import Painter
-from .scene import ROPES, WAY, Sizes, rail_ends, sizes
+from .stage import ROPES, WAY, Sizes, rail_ends
 
 IN_TOWER = 1.0
 """How near to the axis of a turning frame an anchor lies in the tower's head, in units."""
 
 
-def dress(scene: mujoco.MjSpec, rig: Rig, bodies: Mapping[str, Any]) -> None:
+def dress(
+    scene: mujoco.MjSpec, rig: Rig, bodies: Mapping[str, Any], size: Sizes, booms: Sequence[Boom]
+) -> None:
     """Give bodies, anchors and ropes their looks; after they are made.
 
-    `bodies` are the model's by name, the world included.
+    Parameters
+    ----------
+    scene
+        The model, with the classes of `stage.prepare`.
+    rig
+        Its description.
+    bodies
+        The model's by name, the world included.
+    size, booms
+        The space that the rig works in, and its booms.
     """
-    size, paint = sizes(rig), Painter(scene)
-    _dress_fixed_rails(paint, rig, bodies, size)
-    for frame in rig.frames:
-        if frame.kind == "turning":
-            _dress_turning(paint, rig, frame, bodies, size)
-        else:
-            _dress_sliding(paint, rig, frame, bodies, size)
-    for boom in booms.find(rig):
-        _dress_boom(paint, rig, boom, bodies, size)
-    _dress_anchors(paint, rig, bodies, size)
-    _dress_masses(paint, rig, bodies, size)
-    _dress_ropes(scene, rig)
-
-
-def _dress_fixed_rails(paint: Painter, rig: Rig, bodies: Mapping[str, Any], size: Sizes) -> None:
+    dressing = _Dressing(rig, bodies, size, booms, Painter(scene, size))
     for rail in rig.rails:
         if rail.frame == WORLD:
-            ends = rail_ends(rig, rail, size.reach)
-            structures.fixed_rail(paint, bodies[WORLD], rail, ends, size)
-
-
-def _dress_turning(
-    paint: Painter, rig: Rig, frame: Frame, bodies: Mapping[str, Any], size: Sizes
-) -> None:
-    """A tower, and a tower crane's top if it carries a rail; a boom brings its own tower."""
-    rails = [rail for rail in rig.rails if rail.frame == frame.name]
-    inside = [a for a in rig.anchors if a.frame == frame.name and _in_tower(rig, a, size)]
-    for rail in rails:
-        ends = _beam_ends(rig, [rail], size)
-        structures.jib(paint, bodies[frame.name], rail, ends, size)
-    if rails and inside:
-        structures.lantern(paint, bodies[frame.name], frame.name, size)
-    if not any(boom.frame == frame.name for boom in booms.find(rig)):
-        top = -structures.LANTERN if inside else structures.RING
-        structures.tower(paint, bodies[WORLD], frame.name, top * size.unit, size)
-
-
-def _dress_sliding(
-    paint: Painter, rig: Rig, frame: Frame, bodies: Mapping[str, Any], size: Sizes
-) -> None:
-    """A bridge on two runways, or a portal on wheels if it runs along its rail."""
-    rails = [rail for rail in rig.rails if rail.frame == frame.name]
-    body, directions = bodies[frame.name], {rail.direction for rail in rails}
-    across = all(np.dot(direction, frame.axis) == 0 for direction in directions)
-    if len(directions) == 1 and across and frame.axis[2] == 0:
-        ends = _beam_ends(rig, rails, size)
-        structures.bridge(paint, body, rails, ends, frame, size)
-        home, way = float(np.asarray(rig.home_of(frame))), WAY * size.reach
-        span = (home - way, home + way)
-        structures.runways(paint, bodies[WORLD], rails, ends, frame, span, size)
-        return
-    for rail in rails:
-        structures.portal(paint, body, rail, rail_ends(rig, rail, size.reach), size)
-
-
-def _dress_boom(
-    paint: Painter, rig: Rig, boom: booms.Boom, bodies: Mapping[str, Any], size: Sizes
-) -> None:
-    """A boom and the tower that it stands on, which does not turn with it."""
-    structures.boom(paint, bodies[boom.frame], boom, size)
-    frame = rig.frame(boom.frame)
-    turning = frame is not None and frame.kind == "turning"
-    x, y, z = (float(value) for value in boom.foot)
-    top, centre = z - structures.DECK * size.unit, (0.0, 0.0) if turning else (x, y)
-    below = bodies[WORLD if turning else boom.frame]
-    structures.tower(paint, below, f"{boom.frame}.tower", top, size, centre)
-
-
-def _beam_ends(rig: Rig, rails: list[Rail], size: Sizes) -> tuple[float, float]:
-    """Ends of parallel rails along their direction, with the winches at their ends [m]."""
-    direction = np.array(rails[0].direction)
-    along = [float(np.dot(a.position, direction)) for a in rig.anchors if a.frame == rails[0].frame]
-    for rail in rails:
-        start = float(np.dot(rail.origin, direction))
-        along += [start + end for end in rail_ends(rig, rail, size.reach)]
-    return min(along), max(along)
-
-
-def _dress_anchors(paint: Painter, rig: Rig, bodies: Mapping[str, Any], size: Sizes) -> None:
-    winches, sheaves = {rope.path[0] for rope in rig.ropes}, rig.pulleys
-    on_boom = {name for boom in booms.find(rig) for name in boom.anchors}
-    beams = {rail.frame for rail in rig.rails}
-    for anchor in rig.anchors:
-        body = bodies[anchor.frame]
-        if rig.platform(anchor.frame) is not None:
-            drawing.eye(paint, body, anchor, size)
-            continue
-        under_beam = anchor.frame in beams - {WORLD} and not _in_tower(rig, anchor, size)
-        side = 1 if anchor.name in on_boom or under_beam else -1
-        winch, sheave = anchor.name in winches, anchor.name in sheaves
-        drawing.anchor(paint, body, anchor, winch, sheave, side, size)
-        if anchor.frame == WORLD and anchor.name not in on_boom and WORLD not in beams:
-            structures.mast(paint, body, anchor, size)
-
-
-def _in_tower(rig: Rig, anchor: Anchor, size: Sizes) -> bool:
-    """Whether an anchor lies in the head of the tower that its frame turns on."""
-    frame = rig.frame(anchor.frame)
-    near = float(np.hypot(*anchor.position[:2])) < IN_TOWER * size.unit
-    return near and frame is not None and frame.kind == "turning"
-
-
-def _dress_masses(paint: Painter, rig: Rig, bodies: Mapping[str, Any], size: Sizes) -> None:
-    winches, sheaves = {rope.path[0] for rope in rig.ropes}, rig.pulleys
-    blocks = {rope.path[-1] for rope in rig.ropes if rope.falls > 1}
-    for mass in rig.masses:
-        body, name = bodies[mass.name], mass.name
-        if isinstance(mass, Trolley):
-            drawing.trolley(paint, body, rig.rail(mass.rail), name, name in winches, size)
-        elif isinstance(mass, Platform):
-            corners = [anchor for anchor in rig.anchors if anchor.frame == name]
-            drawing.platform(paint, body, name, corners, size)
-        elif name in sheaves:
-            drawing.pulley(paint, body, name, size)
+            structures.fixed_rail(dressing.paint, bodies[WORLD], rail, dressing.rail_ends(rail))
+    for frame in rig.frames:
+        if frame.kind == "turning":
+            dressing.turning_frame(frame)
         else:
-            drawing.cargo(paint, body, name, size)
-            if name in blocks:
-                drawing.pulley(paint, body, name, size)
-
-
-def _dress_ropes(scene: mujoco.MjSpec, rig: Rig) -> None:
+            dressing.sliding_frame(frame)
+    for boom in booms:
+        dressing.boom(boom)
+    dressing.anchors()
+    dressing.masses()
     for index, rope in enumerate(rig.ropes):
         scene.tendon(rope.name).material = ROPES[index % len(ROPES)]
         for sheave in rope.sheaves:
             scene.tendon(f"{rope.name}.{sheave.at}").group = 3  # hidden: it lies on its rope
+
+
+@dataclass(frozen=True)
+class _Dressing:
+    rig: Rig
+    bodies: Mapping[str, Any]
+    size: Sizes
+    booms: Sequence[Boom]
+    paint: Painter
+
+    def turning_frame(self, frame: Frame) -> None:
+        """A tower, and a tower crane's top if it carries a rail; a boom brings its own tower."""
+        rails = [rail for rail in self.rig.rails if rail.frame == frame.name]
+        inside = [a for a in self.rig.anchors if a.frame == frame.name and self._in_tower(a)]
+        body = self.bodies[frame.name]
+        for rail in rails:
+            structures.jib(self.paint, body, rail, self._beam_ends([rail]))
+        if rails and inside:
+            structures.lantern(self.paint, body, frame.name)
+        if not any(boom.frame == frame.name for boom in self.booms):
+            top = -structures.LANTERN if inside else structures.RING
+            structures.tower(self.paint, self.bodies[WORLD], frame.name, top * self.size.unit)
+
+    def sliding_frame(self, frame: Frame) -> None:
+        """A bridge on two runways, or a portal on wheels if it runs along its rail."""
+        rails = [rail for rail in self.rig.rails if rail.frame == frame.name]
+        body, directions = self.bodies[frame.name], {rail.direction for rail in rails}
+        across = all(np.dot(direction, frame.axis) == 0 for direction in directions)
+        if len(directions) == 1 and across and frame.axis[2] == 0:
+            ends = self._beam_ends(rails)
+            structures.bridge(self.paint, body, rails, ends, frame)
+            home, way = float(np.asarray(self.rig.home_of(frame))), WAY * self.size.reach
+            span = (home - way, home + way)
+            structures.runways(self.paint, self.bodies[WORLD], rails, ends, frame, span)
+            return
+        for rail in rails:
+            structures.portal(self.paint, body, rail, self.rail_ends(rail))
+
+    def boom(self, boom: Boom) -> None:
+        """A boom and the tower that it stands on, which does not turn with it."""
+        structures.boom(self.paint, self.bodies[boom.frame], boom)
+        frame = self.rig.frame(boom.frame)
+        turning = frame is not None and frame.kind == "turning"
+        x, y, z = (float(value) for value in boom.foot)
+        top, centre = z - structures.DECK * self.size.unit, (0.0, 0.0) if turning else (x, y)
+        below = self.bodies[WORLD if turning else boom.frame]
+        structures.tower(self.paint, below, f"{boom.frame}.tower", top, centre)
+
+    def anchors(self) -> None:
+        """Winches, pulleys and plates, with a mast under those that stand alone; eyes."""
+        rig, paint = self.rig, self.paint
+        winches, sheaves = self._winches, rig.pulleys
+        on_boom = {name for boom in self.booms for name in boom.anchors}
+        beams = {rail.frame for rail in rig.rails}
+        for anchor in rig.anchors:
+            body = self.bodies[anchor.frame]
+            if rig.platform(anchor.frame) is not None:
+                drawing.eye(paint, body, anchor)
+                continue
+            under_beam = anchor.frame in beams - {WORLD} and not self._in_tower(anchor)
+            side = 1 if anchor.name in on_boom or under_beam else -1
+            winch, sheave = anchor.name in winches, anchor.name in sheaves
+            drawing.anchor(paint, body, anchor, winch, sheave, side)
+            if anchor.frame == WORLD and anchor.name not in on_boom and WORLD not in beams:
+                structures.mast(paint, body, anchor)
+
+    def masses(self) -> None:
+        """Trolleys, platforms, free pulleys, and loads, with a pulley where a rope has falls."""
+        rig, paint = self.rig, self.paint
+        winches, sheaves = self._winches, rig.pulleys
+        blocks = {rope.path[-1] for rope in rig.ropes if rope.falls > 1}
+        for mass in rig.masses:
+            body, name = self.bodies[mass.name], mass.name
+            if isinstance(mass, Trolley):
+                drawing.trolley(paint, body, rig.rail(mass.rail), name, name in winches)
+            elif isinstance(mass, Platform):
+                corners = [anchor for anchor in rig.anchors if anchor.frame == name]
+                drawing.platform(paint, body, name, corners)
+            elif name in sheaves:
+                drawing.pulley(paint, body, name)
+            else:
+                drawing.cargo(paint, body, name)
+                if name in blocks:
+                    drawing.pulley(paint, body, name)
+
+    def rail_ends(self, rail: Rail) -> tuple[float, float]:
+        """Ends of a rail as drawn [m]."""
+        return rail_ends(self.rig, rail, self.size.reach)
+
+    def _beam_ends(self, rails: list[Rail]) -> tuple[float, float]:
+        """Ends of parallel rails along their direction, with the winches at their ends [m]."""
+        direction, frame = np.array(rails[0].direction), rails[0].frame
+        along = [float(np.dot(a.position, direction)) for a in self.rig.anchors if a.frame == frame]
+        for rail in rails:
+            start = float(np.dot(rail.origin, direction))
+            along += [start + end for end in self.rail_ends(rail)]
+        return min(along), max(along)
+
+    def _in_tower(self, anchor: Anchor) -> bool:
+        """Whether an anchor lies in the head of the tower that its frame turns on."""
+        frame = self.rig.frame(anchor.frame)
+        near = float(np.hypot(*anchor.position[:2])) < IN_TOWER * self.size.unit
+        return near and frame is not None and frame.kind == "turning"
+
+    @property
+    def _winches(self) -> set[str]:
+        """Names of the points where ropes start."""
+        return {rope.path[0] for rope in self.rig.ropes}

@@ -1,6 +1,6 @@
 """How the structures of a crane are drawn: stands, bridge, runways, tower, jib, boom, mast.
 
-Every function adds geoms to a body, in that body's axes; the size `unit` is about a trolley's.
+Every function adds geoms to a body, in that body's axes; `Painter.unit` is about a trolley's size.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,6 @@ from ..rig.rig import Anchor, Frame, Rail
 from ..types import Array
 from .booms import Boom
 from .drawing import Painter, across_of, beam, up_of
-from .scene import Sizes
 
 RING, LANTERN, DECK = 0.5, 0.9, 0.8
 """Where a tower ends above its frame's origin, and how far below if winches stand in its head, or
@@ -22,35 +21,31 @@ TRUCK = 1.0
 """From the end of a bridge's rails or winches to its truck, in units."""
 
 
-def fixed_rail(
-    paint: Painter, body: Any, rail: Rail, ends: tuple[float, float], size: Sizes
-) -> None:
+def fixed_rail(paint: Painter, body: Any, rail: Rail, ends: tuple[float, float]) -> None:
     """A beam on two A-shaped stands."""
-    beam(paint, body, rail, ends, size.unit)
-    _stands(paint, body, rail, ends, size)
+    beam(paint, body, rail, ends)
+    _stands(paint, body, rail, ends)
 
 
-def portal(paint: Painter, body: Any, rail: Rail, ends: tuple[float, float], size: Sizes) -> None:
+def portal(paint: Painter, body: Any, rail: Rail, ends: tuple[float, float]) -> None:
     """A travelling portal: a beam on stands with wheels."""
-    beam(paint, body, rail, ends, size.unit)
-    axle = 0.15 * size.unit * np.asarray(rail.direction)
-    for index, foot in enumerate(_stands(paint, body, rail, ends, size)):
-        centre = foot + np.array([0, 0, 0.3 * size.unit])
+    beam(paint, body, rail, ends)
+    axle = 0.15 * paint.unit * np.asarray(rail.direction)
+    for index, foot in enumerate(_stands(paint, body, rail, ends)):
+        centre = foot + np.array([0, 0, 0.3 * paint.unit])
         wheel = (centre - axle, centre + axle)
-        paint.drum(body, f"{rail.name}.wheel{index + 1}", "dark", wheel, 0.3 * size.unit)
+        paint.drum(body, f"{rail.name}.wheel{index + 1}", "dark", wheel, 0.3 * paint.unit)
 
 
-def _stands(
-    paint: Painter, body: Any, rail: Rail, ends: tuple[float, float], size: Sizes
-) -> list[Array]:
+def _stands(paint: Painter, body: Any, rail: Rail, ends: tuple[float, float]) -> list[Array]:
     """Two A-shaped stands from the floor to the ends of a beam; returns their feet."""
-    along, across, unit = np.asarray(rail.direction), across_of(rail.direction), size.unit
+    along, across, unit = np.asarray(rail.direction), across_of(rail.direction), paint.unit
     feet = []
     for side, end in (("start", ends[0] - 0.3 * unit), ("end", ends[1] + 0.3 * unit)):
         head = np.asarray(rail.origin) + end * along + 0.8 * unit * up_of(rail.direction)
         crossing = []
         for leg, way in (("left", -1), ("right", 1)):
-            foot = np.array([*head[:2], size.floor]) + 1.6 * way * unit * across
+            foot = np.array([*head[:2], paint.floor]) + 1.6 * way * unit * across
             top = head + 0.25 * way * unit * across
             paint.rod(body, f"{rail.name}.{side}.{leg}", "structure", (foot, top), 0.16 * unit)
             plate = (0.4 * unit, 0.4 * unit, 0.08 * unit)
@@ -67,17 +62,16 @@ def tower(
     body: Any,
     name: str,
     top: float,
-    size: Sizes,
     centre: tuple[float, float] = (0.0, 0.0),
 ) -> None:
     """A lattice tower under a turning frame or a boom, up to the height `top`."""
-    unit, half = size.unit, 0.55 * size.unit
+    unit, half = paint.unit, 0.55 * paint.unit
     plate = (1.6 * unit, 1.6 * unit, 0.25 * unit)
-    paint.box(body, f"{name}.base", "concrete", (*centre, size.floor + 0.25 * unit), plate)
+    paint.box(body, f"{name}.base", "concrete", (*centre, paint.floor + 0.25 * unit), plate)
     corners = np.array(centre) + half * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
-    levels = np.linspace(size.floor, top, max(3, round((top - size.floor) / (2.2 * half))) + 1)
+    levels = np.linspace(paint.floor, top, max(3, round((top - paint.floor) / (2.2 * half))) + 1)
     for index, corner in enumerate(corners):
-        post = ((*corner, size.floor), (*corner, top))
+        post = ((*corner, paint.floor), (*corner, top))
         paint.rod(body, f"{name}.post{index + 1}", "structure", post, 0.10 * unit)
         following = corners[(index + 1) % 4]
         for level, (low, high) in enumerate(pairwise(levels)):
@@ -89,12 +83,12 @@ def tower(
     paint.drum(body, f"{name}.ring", "steel", ring, 0.85 * unit)
 
 
-def jib(paint: Painter, body: Any, rail: Rail, ends: tuple[float, float], size: Sizes) -> None:
+def jib(paint: Painter, body: Any, rail: Rail, ends: tuple[float, float]) -> None:
     """The turning top of a tower crane: jib, tie rods, cab and counterweight."""
-    unit, along = size.unit, np.asarray(rail.direction)
+    unit, along = paint.unit, np.asarray(rail.direction)
     across, up = across_of(along), up_of(along)
     tail = min(-0.4 * ends[1], ends[0] - 1.3 * unit)
-    beam(paint, body, rail, (tail, ends[1]), unit)
+    beam(paint, body, rail, (tail, ends[1]))
     apex = 3.6 * unit * up
     deck = 1.27 * unit * up
     for label, end in (("front", 0.8 * ends[1]), ("back", tail)):
@@ -111,9 +105,9 @@ def jib(paint: Painter, body: Any, rail: Rail, ends: tuple[float, float], size: 
     paint.box(body, f"{rail.name}.cab", "machine", cab, half, along)
 
 
-def lantern(paint: Painter, body: Any, name: str, size: Sizes) -> None:
+def lantern(paint: Painter, body: Any, name: str) -> None:
     """An open head between tower and jib, with room for a winch."""
-    unit = size.unit
+    unit = paint.unit
     for index, (x, y) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
         post = ((0.7 * x * unit, 0.7 * y * unit, z * unit) for z in (0.25 - LANTERN, 0.5))
         low, high = post
@@ -121,18 +115,13 @@ def lantern(paint: Painter, body: Any, name: str, size: Sizes) -> None:
 
 
 def bridge(
-    paint: Painter,
-    body: Any,
-    rails: Sequence[Rail],
-    ends: tuple[float, float],
-    frame: Frame,
-    size: Sizes,
+    paint: Painter, body: Any, rails: Sequence[Rail], ends: tuple[float, float], frame: Frame
 ) -> None:
     """Beams on two end trucks with wheels, which run along the frame's axis."""
-    unit, axis = size.unit, np.asarray(frame.axis)
+    unit, axis = paint.unit, np.asarray(frame.axis)
     for rail in rails:
         start, end = (value - float(np.dot(rail.origin, rail.direction)) for value in ends)
-        beam(paint, body, rail, (start - TRUCK * unit, end + TRUCK * unit), unit)
+        beam(paint, body, rail, (start - TRUCK * unit, end + TRUCK * unit))
     for label, low, high in _trucks(rails, ends, axis, unit):
         middle, half = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low)) + 1.1 * unit
         centre = middle + np.array([0, 0, 0.42 * unit])
@@ -152,10 +141,9 @@ def runways(
     ends: tuple[float, float],
     frame: Frame,
     way: tuple[float, float],
-    size: Sizes,
 ) -> None:
     """Two fixed beams on columns, under the trucks of a bridge, along `way`."""
-    unit, axis = size.unit, np.asarray(frame.axis)
+    unit, axis = paint.unit, np.asarray(frame.axis)
     beyond = 1.5 * unit
     for label, low, high in _trucks(rails, ends, axis, unit):
         name = f"{frame.name}.runway.{label}"
@@ -165,7 +153,7 @@ def runways(
         paint.box(body, name, "steel", 0.5 * (start + end), half, axis)
         for index, share in enumerate((0.03, 0.5, 0.97)):
             head = start + share * (end - start)
-            foot = np.array([*head[:2], size.floor])
+            foot = np.array([*head[:2], paint.floor])
             column = (foot, head)
             paint.rod(body, f"{name}.column{index + 1}", "steel", column, 0.16 * unit)
             plate = (0.4 * unit, 0.4 * unit, 0.08 * unit)
@@ -187,10 +175,10 @@ def _trucks(
     return found
 
 
-def boom(paint: Painter, body: Any, part: Boom, size: Sizes) -> None:
+def boom(paint: Painter, body: Any, part: Boom) -> None:
     """A lattice boom on a round deck, with machine house, gantry and pendants."""
-    unit, name = size.unit, part.frame
-    _lattice(paint, body, name, part, size)
+    unit, name = paint.unit, part.frame
+    _lattice(paint, body, name, part)
     out = np.array([*(part.tip - part.foot)[:2], 0.0])
     out = out / np.linalg.norm(out) if out.any() else np.array([1.0, 0.0, 0.0])
     across = across_of(out)
@@ -220,9 +208,9 @@ def _lift(part: Boom, unit: float) -> Array:
     return np.asarray(0.85 * unit * up_of(along))
 
 
-def _lattice(paint: Painter, body: Any, name: str, part: Boom, size: Sizes) -> None:
+def _lattice(paint: Painter, body: Any, name: str, part: Boom) -> None:
     """Four chords that meet at foot and tip, with diagonals between the shoulders."""
-    unit = size.unit
+    unit = paint.unit
     along = part.tip - part.foot
     length = float(np.linalg.norm(along))
     along, lift = along / length, _lift(part, unit)
@@ -247,8 +235,8 @@ def _lattice(paint: Painter, body: Any, name: str, part: Boom, size: Sizes) -> N
                 paint.rod(body, f"{name}.brace{i + 1}.{k}", "structure", brace, 0.035 * unit)
 
 
-def mast(paint: Painter, body: Any, point: Anchor, size: Sizes) -> None:
+def mast(paint: Painter, body: Any, point: Anchor) -> None:
     """A post from the floor to a winch or pulley that stands alone."""
     x, y, z = point.position
-    post = ((x, y, size.floor), (x, y, z - 0.62 * size.unit))
-    paint.rod(body, f"{point.name}.mast", "structure", post, 0.16 * size.unit)
+    post = ((x, y, paint.floor), (x, y, z - 0.62 * paint.unit))
+    paint.rod(body, f"{point.name}.mast", "structure", post, 0.16 * paint.unit)

@@ -28,16 +28,15 @@ import mujoco
 import numpy as np
 
 from ..errors import ModelError, did_you_mean
-from ..looks import dressing
-from ..looks import scene as looks
-from ..rig.chain import Link, Part, links
-from ..rig.rig import WORLD, Frame, Platform, Rig, Trolley
+from ..looks import booms, dressing, stage
+from ..rig.chain import Link, links
+from ..rig.rig import WORLD, Frame, Platform, Rig, Trolley, Vector
 from ..types import Array
 from ..values import as_number
 from . import rigging, spools
 from .armature import check, tendon_jacobian
 from .rig_state import State, coordinates, joint_state, paid_out, points, tensions
-from .ropes import Ropes, chosen, stretch_of, stretches
+from .ropes import Ropes, ropes_of, stretch_of, stretches
 
 __all__ = [
     "INTEGRATORS",
@@ -110,19 +109,11 @@ def compile(
     ModelError
         MuJoCo cannot hold the rig or would simulate something else, or an option is wrong.
     """
-    scene = spec(
-        rig,
-        timestep=timestep,
-        integrator=integrator,
-        visuals=visuals,
-        friction=friction,
-        massless=massless,
-        ropes=ropes,
-    )
+    material = ropes_of(ropes, rig)
+    scene = _scene(rig, timestep, integrator, visuals, friction, massless, material)
     if not visuals:
-        freedoms = len(scene.joints)
-        scene.memory = MEMORY[0] + MEMORY[1] * freedoms**2
-    model = scene.compile()
+        scene.memory = MEMORY[0] + MEMORY[1] * len(scene.joints) ** 2
+    model = _compile_at_rest(scene, rig, material)
     check(model)
     return model
 
@@ -138,6 +129,22 @@ def spec(
     ropes: str | Ropes = "rigid",
 ) -> mujoco.MjSpec:
     """The same as an editable `mujoco.MjSpec`; parameters and errors as `compile`."""
+    material = ropes_of(ropes, rig)
+    scene = _scene(rig, timestep, integrator, visuals, friction, massless, material)
+    _compile_at_rest(scene, rig, material)
+    return scene
+
+
+def _scene(
+    rig: Rig,
+    timestep: float,
+    integrator: str,
+    visuals: bool,
+    friction: bool,
+    massless: float | None,
+    ropes: Ropes,
+) -> mujoco.MjSpec:
+    """The rig's bodies, ropes and drives, without the inputs that hold it at home."""
     scene = mujoco.MjSpec()
     scene.modelname = rig.name
     scene.compiler.degree = False
@@ -146,11 +153,12 @@ def spec(
     scene.compiler.savecanonical = False
     _options(scene, rig, timestep, integrator, friction)
     if visuals:
-        looks.prepare(scene, rig)
+        rig_booms = booms.find(rig)
+        size = stage.sizes(rig, rig_booms)
+        stage.prepare(scene, size)
     _check_masses(rig, massless)
-    made = chosen(ropes, rig)
-    if made.spooled:
-        spools.allow(scene, rig, made, friction)
+    if ropes.spooled:
+        spools.allow(scene, rig, ropes, friction)
     bodies = {WORLD: scene.worldbody}
     for link in links(rig):
         bodies[link.name] = _body(bodies[link.parent.name if link.parent else WORLD], link, rig)
@@ -161,32 +169,42 @@ def spec(
         bodies[anchor.frame].add_site(name=anchor.name, pos=anchor.position)
     for link in links(rig):
         rigging.add_sum(scene, link)
-    paid = spools.add(scene, rig, made) if made.spooled else []
+    paid = spools.add(scene, rig, ropes) if ropes.spooled else []
     for rope in rig.ropes:
-        if not made.spooled or visuals:
-            inertia = 0.0 if made.spooled else rope.inertia_along
+        if not ropes.spooled or visuals:
+            inertia = 0.0 if ropes.spooled else rope.inertia_along
             rigging.lay(scene, rope.name, rope.path, rope.falls, inertia)
         rigging.add_sheaves(scene, rope)
     for drive in rig.drives:
         rigging.add_motor(scene, rig, drive.name, drive.limit, rig.driven(drive))
     if visuals:
-        dressing.dress(scene, rig, bodies)
+        dressing.dress(scene, rig, bodies, size, rig_booms)
         rigging.add_sensors(scene, rig)
     home = [value for link in links(rig) for value in link.home]
     scene.add_key(name="home", qpos=home + paid, ctrl=np.zeros(len(rig.drives)))
+    return scene
+
+
+def _compile_at_rest(scene: mujoco.MjSpec, rig: Rig, ropes: Ropes) -> mujoco.MjModel:
+    """Compile a scene and put into it, and into the model, what keeps the rig at rest at home.
+
+    The inputs, the stretch and the damping of ropes follow from the compiled model.  They change
+    nothing else in it, so that one compilation is enough.
+    """
     try:
         model = scene.compile()
     except (ValueError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
         raise ModelError(f"MuJoCo refuses the model of rig {rig.name}: {reason}") from None
-    held = [rope for rope in rig.ropes if made.spooled]
-    inputs, pulls = _holding_inputs(model, [stretch_of(rope) for rope in held])
-    scene.key("home").ctrl = inputs
-    if held:
-        stretched = np.array(paid) - stretches(rig, model, pulls)
-        scene.key("home").qpos = np.array([*home, *stretched])
-        spools.settle(scene, rig, made, model)
-    return scene
+    tendons = [stretch_of(rope) for rope in rig.ropes] if ropes.spooled else []
+    inputs, tensions_at_rest = _holding_inputs(model, tendons)
+    home = model.key_qpos[0].copy()
+    if ropes.spooled:
+        spools.settle(scene, rig, ropes, model)  # while the keyframe's ropes are unstretched
+        home[-len(tendons) :] -= stretches(rig, model, tensions_at_rest)
+    scene.key("home").qpos = model.key_qpos[0] = home
+    scene.key("home").ctrl = model.key_ctrl[0] = inputs
+    return model
 
 
 def _options(
@@ -241,33 +259,34 @@ def _body(parent: Any, link: Link, rig: Rig) -> Any:
         body.alt.type = mujoco.mjtOrientation.mjORIENTATION_AXISANGLE
         body.alt.axisangle = [0, 0, 1, link.home[0]]
     hinges = part.angles if isinstance(part, Platform) else (link.joints[0],) if turning else ()
-    for name, value in zip(link.joints, link.home, strict=True):
+    for name, value, axis in zip(link.joints, link.home, _axes(rig, link), strict=True):
         kind = mujoco.mjtJoint.mjJNT_HINGE if name in hinges else mujoco.mjtJoint.mjJNT_SLIDE
-        joint = body.add_joint(name=name, type=kind, axis=_axis(rig, part, name), ref=value)
+        joint = body.add_joint(name=name, type=kind, axis=axis, ref=value)
         if turning is not None:
             joint.armature = turning.inertia
     return body
 
 
-def _axis(rig: Rig, part: Part, joint: str) -> list[float]:
-    if isinstance(part, Frame):
-        return list(part.axis)
-    if isinstance(part, Trolley):
-        return list(rig.rail(part.rail).direction)
-    turns = dict(zip(("alpha", "beta", "gamma"), "xyz", strict=True))
-    letter = joint.rpartition(".")[2]
-    return [float(turns.get(letter, letter) == axis) for axis in "xyz"]
+def _axes(rig: Rig, link: Link) -> list[Vector]:
+    """Axes of a body's joints, in their order; a platform turns about x, y, z after it slides."""
+    if isinstance(link.part, Frame):
+        return [link.part.axis]
+    if isinstance(link.part, Trolley):
+        return [rig.rail(link.part.rail).direction]
+    units = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+    turns = "xyz" if isinstance(link.part, Platform) else ""
+    return [units[letter] for letter in (*rig.axes, *turns)]
 
 
-def _holding_inputs(model: mujoco.MjModel, held: list[str]) -> tuple[Array, Array]:
-    """Inputs, and tensions of the tendons `held`, that keep the first keyframe at rest.
+def _holding_inputs(model: mujoco.MjModel, tendons: list[str]) -> tuple[Array, Array]:
+    """Inputs (drives,), and tensions of some tendons, that keep the first keyframe at rest.
 
     Where none do, those that come nearest (least squares).
     """
     data = mujoco.MjData(model)
     data.qpos[:] = model.key_qpos[0]
     mujoco.mj_forward(model, data)
-    effect = np.zeros((model.nv, model.nu + len(held)))
+    effect = np.zeros((model.nv, model.nu + len(tendons)))
     jacobian = tendon_jacobian(model, data)
     for index in range(model.nu):
         target = model.actuator_trnid[index, 0]
@@ -275,8 +294,9 @@ def _holding_inputs(model: mujoco.MjModel, held: list[str]) -> tuple[Array, Arra
         if model.actuator_trntype[index] == mujoco.mjtTrn.mjTRN_TENDON:
             column = jacobian[target]
         effect[:, index] = model.actuator_gear[index, 0] * column
-    for column, name in enumerate(held, start=model.nu):
+    for column, name in enumerate(tendons, start=model.nu):
         effect[:, column] = -jacobian[model.tendon(name).id]
-    found = np.linalg.lstsq(effect, data.qfrc_bias, rcond=None)[0]
-    rounded = np.array([round(float(value), 9) + 0.0 for value in found])
+    forces = np.linalg.lstsq(effect, data.qfrc_bias, rcond=None)[0]
+    # to nine decimals, so that exported scenes are the same on every machine; + 0.0 turns -0 to 0
+    rounded = np.array([round(float(value), 9) + 0.0 for value in forces])
     return rounded[: model.nu], rounded[model.nu :]

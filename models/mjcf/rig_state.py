@@ -18,7 +18,6 @@ from ..errors import ModelError
 from ..rig.chain import Link, joint_names, links
 from ..rig.coordinate_values import gather
 from ..rig.lengths import rope_lengths
-from ..rig.lengths import spans as spans
 from ..rig.rig import Frame, Load, Platform, Rig, Trolley, Vector
 from ..rig.turning_axes import carry, turn
 from ..types import Array

@@ -112,7 +112,7 @@ class Ropes:
         return critical * _of(ratio, "damping_ratio", rope)
 
 
-def chosen(ropes: str | Ropes, rig: Rig) -> Ropes:
+def ropes_of(ropes: str | Ropes, rig: Rig) -> Ropes:
     """The ropes that are meant, by a word or in full.
 
     Raises
@@ -120,13 +120,13 @@ def chosen(ropes: str | Ropes, rig: Rig) -> Ropes:
     ModelError
         There are none of that kind, or names are not those of the rig's ropes.
     """
-    found = ropes if isinstance(ropes, Ropes) else Ropes(ropes)
-    for option in (found.stiffness, found.ea, found.damping, found.damping_ratio):
+    ropes = ropes if isinstance(ropes, Ropes) else Ropes(ropes)
+    for option in (ropes.stiffness, ropes.ea, ropes.damping, ropes.damping_ratio):
         for name in option if isinstance(option, Mapping) else ():
             if name not in rig.rope_names:
                 known = did_you_mean(name, rig.rope_names)
                 raise ModelError(f"rig {rig.name} has no rope {name!r}{known}")
-    return found
+    return ropes
 
 
 def spool(rope: Rope) -> str:

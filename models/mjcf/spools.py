@@ -78,10 +78,12 @@ def allow(scene: mujoco.MjSpec, rig: Rig, ropes: Ropes, friction: bool) -> None:
 
 
 def settle(scene: mujoco.MjSpec, rig: Rig, ropes: Ropes, model: mujoco.MjModel) -> None:
-    """Damp the ropes as `ropes` say, once their critical damping 2 sqrt(k/A) is known."""
+    """Damp the ropes of scene and model once their critical damping 2 sqrt(k/A) is known."""
     for rope, inverse in zip(rig.ropes, np.diag(_mobility(rig, model)), strict=True):
         critical = 2.0 * float(np.sqrt(ropes.spring(rig, rope) / inverse))
-        scene.tendon(stretch_of(rope)).damping[0] = ropes.damper(rope, critical)
+        damping = ropes.damper(rope, critical)
+        scene.tendon(stretch_of(rope)).damping[0] = damping
+        model.tendon_damping[model.tendon(stretch_of(rope)).id] = damping
 
 
 def frequencies(rig: Rig, model: mujoco.MjModel) -> Array:

@@ -4,6 +4,7 @@ Nothing here has mass or touches anything.  Sizes follow from the rig's own: fro
 ends, its anchors, and how far below them its loads hang.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -11,7 +12,7 @@ import numpy as np
 
 from ..rig.rig import Rail, Rig
 from ..types import Array
-from . import booms
+from .booms import Boom
 
 COLOURS: dict[str, tuple[float, float, float]] = {
     "structure": (0.95, 0.68, 0.10),
@@ -75,12 +76,12 @@ class Sizes:
         return float(np.linalg.norm(np.ptp(self.cloud, axis=0)))
 
 
-def sizes(rig: Rig) -> Sizes:
-    """Find them from anchors, rails, home and the ways of turning and sliding frames."""
+def sizes(rig: Rig, booms: Sequence[Boom]) -> Sizes:
+    """The space of a rig: anchors, booms, rails, home, the ways of turning and sliding frames."""
     loads = [np.array(rig.home_point(name)) for name in _hanging(rig)]
     used = [rig.rail(trolley.rail) for trolley in rig.trolleys]
     fixed = [(a.frame, np.array(a.position)) for a in rig.anchors if not rig.platform(a.frame)]
-    fixed += [(boom.frame, boom.foot) for boom in booms.find(rig)]
+    fixed += [(boom.frame, boom.foot) for boom in booms]
     top = max([0.0, *(rail.origin[2] for rail in used), *(point[2] for _, point in fixed)])
     reach = max(1e-3, top - min(float(load[2]) for load in loads))
     for rail in used:
@@ -136,9 +137,8 @@ def rail_ends(rig: Rig, rail: Rail, reach: float) -> tuple[float, float]:
     return start, end
 
 
-def prepare(scene: mujoco.MjSpec, rig: Rig) -> None:
+def prepare(scene: mujoco.MjSpec, size: Sizes) -> None:
     """Materials, classes, light, floor and cameras; before the bodies are made."""
-    size = sizes(rig)
     picture(scene, size)
     scene.default.site.group = 3  # hidden
     scene.default.site.size = [_round(0.1 * size.unit)] * 3
