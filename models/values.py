@@ -16,6 +16,9 @@ Vector = tuple[float, float, float]
 LARGEST = 1e12
 """Numbers beyond it are taken for a mistake in units."""
 
+ENDLESS = {"endless": True}
+"""Metadata of a dataclass's field that may be infinite."""
+
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -163,7 +166,7 @@ def clean(part: Any) -> None:
         label, value = f"{owner}: {item.name}", getattr(part, item.name)
         kind: Any = item.type
         if kind is float:
-            plain: object = number(label, value, endless=item.name in ("start", "end"))
+            plain: object = number(label, value, endless="endless" in item.metadata)
         elif kind == Vector:
             plain = vector(label, value)
         elif kind is str or (get_origin(kind) is Literal and isinstance(kind.__args__[0], str)):

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.rig_state import State, coordinates, joint_state, points
-from ...models.rig.rig import Load, Platform, Rig
+from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import NOT_FINITE, NOTHING, Ids
 from ..simulations import Simulations, bare_model
@@ -215,8 +215,7 @@ def _model(
     """The rig's bare physics, with the loads' velocities as sensors if asked for."""
     scene = mjcf.spec(rig, timestep=timestep, visuals=False, friction=friction, massless=massless)
     if rates:
-        free: tuple[Load | Platform, ...] = (*rig.loads, *rig.platforms)
-        for name in [part.name for part in free]:
+        for name in [part.name for part in rig.hanging]:
             scene.add_sensor(
                 name=f"{name}.velocity",
                 type=mujoco.mjtSensor.mjSENS_FRAMELINVEL,

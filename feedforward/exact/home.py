@@ -63,16 +63,7 @@ def _home(equations: Equations) -> tuple[dict[str, Array], Array]:
     Those of statics are meant in the sense of least squares.
     """
     rig = equations.rig
-    values = {}
-    for frame in rig.frames:
-        values[frame.coordinate] = np.array(rig.home_of(frame))
-    for mass in rig.masses:
-        place = np.array(rig.home_of(mass), dtype=float)
-        if place.ndim == 0:
-            values[f"{mass.name}.position"] = place
-        else:
-            values |= {f"{mass.name}.{axis}": place["xyz".index(axis)] for axis in rig.axes}
-    values |= {angle: np.zeros(()) for part in rig.platforms for angle in part.angles}
+    values = {name: np.array(value) for name, value in rig.home_coordinates.items()}
     state, _ = redundant(equations, values, dict.fromkeys(values, np.zeros(())))
     values |= {rope.coordinate: state[equations.names.index(rope.coordinate)] for rope in rig.ropes}
     pull = np.hstack((equations.constraint_jacobian(state).T, -equations.input_matrix(state)))

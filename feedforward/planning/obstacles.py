@@ -22,7 +22,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...models.errors import PathError
-from ...models.rig.rig import Load, Platform, Rig
+from ...models.rig.rig import Rig
 from ...models.types import Array
 from ...models.values import as_number
 from ..checks import check_point
@@ -204,10 +204,9 @@ def _closest(
 ) -> Clearance:
     """The smallest distance at the samples of a motion."""
     places = _places(motion)
-    hanging: tuple[Load | Platform, ...] = (*motion.rig.loads, *motion.rig.platforms)
     candidates = []
     for obstacle in obstacles:
-        for load in hanging:
+        for load in motion.rig.hanging:
             gaps = obstacle.distance(places[load.name]) - load_radius
             candidates.append((gaps, load.name, obstacle.name))
         for rope in motion.rig.ropes if ropes else ():

@@ -18,7 +18,7 @@ from ..errors import ModelError
 from ..rig.chain import Link, joint_names, links
 from ..rig.coordinate_values import gather
 from ..rig.lengths import rope_lengths
-from ..rig.rig import Frame, Load, Platform, Rig, Trolley, Vector
+from ..rig.rig import Frame, Platform, Rig, Trolley, Vector
 from ..rig.turning_axes import carry, turn
 from ..types import Array
 from .ropes import reach, stretches
@@ -169,8 +169,7 @@ def coordinates(rig: Rig, model: Any, state: HasState) -> tuple[dict[str, Array]
             found[link.part.coordinate] = np.asarray(sum(f * column[name] for name, f in terms))
     for rope, length in rope_lengths(rig, motion).items():
         found[f"{rope}.length"] = length
-    free: tuple[Load | Platform, ...] = (*rig.loads, *rig.platforms)
-    for part in free:
+    for part in rig.hanging:
         for axis in rig.axes:
             found[f"{part.name}.{axis}"] = motion[part.name][..., "xyz".index(axis)]
     for platform in rig.platforms:

@@ -5,7 +5,7 @@ from typing import Any
 import mujoco
 
 from ..rig.chain import Link
-from ..rig.rig import Frame, Load, Platform, Rig, Rope, Trolley
+from ..rig.rig import Frame, Rig, Rope, Trolley
 from .ropes import spool
 
 
@@ -93,8 +93,7 @@ def add_sensors(scene: mujoco.MjSpec, rig: Rig) -> None:
                 objtype=mujoco.mjtObj.mjOBJ_TENDON if tendon else mujoco.mjtObj.mjOBJ_JOINT,
                 objname=target,
             )
-    free: tuple[Load | Platform, ...] = (*rig.loads, *rig.platforms)
-    for body in free:
+    for body in rig.hanging:
         scene.add_sensor(
             name=f"{body.name}.position",
             type=mujoco.mjtSensor.mjSENS_FRAMEPOS,

@@ -1,10 +1,10 @@
 """The parts that a rig is made of, as plain data in SI units."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
-from ..values import Vector, clean
+from ..values import ENDLESS, Vector, clean
 
 WORLD = "world"
 """Name of the frame that does not move."""
@@ -59,9 +59,9 @@ class Rail(_Part):
     origin: Vector = (0.0, 0.0, 0.0)
     """Where the trolley's position is zero, in the frame [m]."""
     frame: str = WORLD
-    start: float = -math.inf
+    start: float = field(default=-math.inf, metadata=ENDLESS)
     """Lowest position of a trolley [m]."""
-    end: float = math.inf
+    end: float = field(default=math.inf, metadata=ENDLESS)
     """Highest position of a trolley [m]."""
 
 

@@ -172,6 +172,11 @@ class Rig:
         """The rigid bodies that hang from ropes."""
         return tuple(mass for mass in self.masses if isinstance(mass, Platform))
 
+    @property
+    def hanging(self) -> tuple[Load | Platform, ...]:
+        """The loads and platforms, which are free to move."""
+        return (*self.loads, *self.platforms)
+
     @cached_property
     def pulleys(self) -> frozenset[str]:
         """Names of the anchors, trolleys and loads that some rope only passes on its way."""
@@ -179,9 +184,8 @@ class Rig:
 
     @property
     def weight(self) -> float:
-        """Of all loads and platforms [N]."""
-        loads: tuple[Load | Platform, ...] = (*self.loads, *self.platforms)
-        return self.gravity * sum(part.mass for part in loads)
+        """Weight of all loads and platforms [N]."""
+        return self.gravity * sum(part.mass for part in self.hanging)
 
     def terms(self, output: str) -> tuple[tuple[float, str], ...]:
         """An output as a weighted sum of coordinates: (factor, coordinate) of each term."""
@@ -232,6 +236,16 @@ class Rig:
         """Home value of a frame, trolley, load or platform."""
         free = isinstance(part, Load | Platform)
         return self.home.get(part.name, (0.0, 0.0, 0.0) if free else 0.0)
+
+    @property
+    def home_coordinates(self) -> dict[str, float]:
+        """Home values [m], [rad] of all coordinates but ropes', by name."""
+        values = {frame.coordinate: self.home_of(frame) for frame in self.frames}
+        values |= {trolley.coordinate: self.home_of(trolley) for trolley in self.trolleys}
+        for part in self.hanging:
+            place = dict(zip("xyz", self.home_of(part), strict=True))
+            values |= {f"{part.name}.{axis}": place[axis] for axis in self.axes}
+        return values | {angle: 0.0 for part in self.platforms for angle in part.angles}
 
     def home_point(self, name: str) -> Vector:
         """Where an anchor, trolley, load or platform is at home, in the world [m]."""

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from ...feedforward import Motion, equations_of, redundant
-from ...models import Load, Platform
 from ...models.types import Array
 from .. import plots
 from ..tables import table
@@ -38,7 +37,7 @@ def draw(sheet: Snapshots, motion: Motion) -> Sheet:
         ax.set(xlabel=f"{view[0]} [m]", ylabel=f"{view[1]} [m]")
         ax.set_aspect("equal", adjustable="datalim")
     plots.heading(figure, sheet.title)
-    way = places[_carried(motion)[-1].name]
+    way = places[motion.rig.hanging[-1].name]
     rows = ((f"{motion.times[i]:.3g}", *(f"{value:.3f}" for value in way[i])) for i in chosen)
     heading = f"{sheet.title}: where the payload is [m]"
     return Sheet(table(heading, "time [s]", "x", "y", "z", rows=rows), figure)
@@ -51,10 +50,6 @@ def world(motion: Motion) -> Places:
     state, _ = redundant(equations, values, {name: 0.0 * value for name, value in values.items()})
     state = np.hstack((state, np.ones((len(state), 1))))
     return {name: state @ rows.T for name, rows in equations.points.items()}
-
-
-def _carried(motion: Motion) -> tuple[Load | Platform, ...]:
-    return (*motion.rig.loads, *motion.rig.platforms)
 
 
 def _picture(ax: Any, motion: Motion, places: Places, opacity: float) -> None:
@@ -90,6 +85,6 @@ def _line(ax: Any, points: Sequence[Array], colour: str, width: float, opacity: 
 
 def _ways(ax: Any, motion: Motion, places: Places, pair: list[int]) -> None:
     """Where loads, pulleys and platforms went."""
-    for mass in _carried(motion):
+    for mass in motion.rig.hanging:
         way = places[mass.name][:, pair]
         ax.plot(*way.T, color=plots.COLOURS[3], linewidth=1.2, linestyle=(0, (1, 1.5)))

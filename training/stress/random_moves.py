@@ -17,7 +17,8 @@ WILD = 1 / 3
 
 def random_move(rig: Rig, rng: np.random.Generator) -> Move:
     """A move of the rig's outputs from and to somewhere about home."""
-    home = np.array([_home_output(rig, name) for name in rig.outputs])
+    at_home = rig.home_coordinates
+    home = np.array([sum(a * at_home[name] for a, name in rig.terms(o)) for o in rig.outputs])
     spans = [
         math.dist(rig.home_point(a), rig.home_point(b))
         for rope in rig.ropes
@@ -43,18 +44,3 @@ def random_move(rig: Rig, rng: np.random.Generator) -> Move:
         order=order,
         blend=float(duration * rng.uniform(0.05, 0.5)),
     )
-
-
-def _home_output(rig: Rig, output: str) -> float:
-    """Value of an output at home."""
-    return sum(factor * _at_home(rig, coordinate) for factor, coordinate in rig.terms(output))
-
-
-def _at_home(rig: Rig, name: str) -> float:
-    """Value of a coordinate at home."""
-    owner, _, letter = name.partition(".")
-    if letter in ("alpha", "beta", "gamma"):
-        return 0.0
-    if letter in ("angle", "position"):
-        return float(rig.home.get(owner, 0.0))  # type: ignore[arg-type]
-    return rig.home_point(owner)["xyz".index(letter)]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...feedforward import Motion, Reference, equations_of, redundant, residuals, solve
-from ...models import Load, Platform, Rig, Rope
+from ...models import Rig, Rope
 from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.rig_state import points
 from ...models.mjcf.simulate import accelerations
@@ -78,8 +78,7 @@ def from_mujoco(motion: Motion) -> float:
     turn = accelerations(model, *state, motion.inputs[few])
     world = points(rig, *state, turn)
     second = {f"{name}.length": length[2] for name, length in rope_lengths(rig, world).items()}
-    bodies: tuple[Load | Platform, ...] = (*rig.loads, *rig.platforms)
-    for load in bodies:
+    for load in rig.hanging:
         second |= {
             f"{load.name}.{axis}": world[load.name][2][:, "xyz".index(axis)] for axis in rig.axes
         }
