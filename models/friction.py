@@ -36,11 +36,11 @@ class Friction:
     """
 
     coulomb: float
-    """While slipping [N]."""
+    """Coulomb friction, while slipping [N]."""
     viscous: float = 0.0
-    """[N s/m]"""
+    """Viscous friction per speed [N s/m]."""
     static: float | None = None
-    """To be overcome from rest [N]; as `coulomb` if left out."""
+    """Static friction, to be overcome from rest [N]; as `coulomb` if left out."""
     stribeck_velocity: float = 0.01
     """Speed at which the surplus of static friction has fallen to a third [m/s]."""
     width: float = 1e-3

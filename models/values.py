@@ -1,4 +1,4 @@
-"""Turns what a user gives into plain numbers, vectors and names, or says what is wrong with it."""
+"""Turn what a user gives into plain numbers, vectors and names, or say what is wrong with it."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -101,7 +101,7 @@ def whole(label: str, value: object) -> int:
     Raises
     ------
     RigError
-        It is none.
+        It is not a whole number.
     """
     plain = number(label, value)
     if not plain.is_integer():
@@ -115,7 +115,7 @@ def word(label: str, value: object) -> str:
     Raises
     ------
     RigError
-        It is none.
+        It is not a text.
     """
     if not isinstance(value, str):
         raise RigError(f"{label} is {value!r}, it must be a name")
@@ -128,7 +128,7 @@ def sequence(label: str, value: object) -> tuple[Any, ...]:
     Raises
     ------
     RigError
-        It is none of these.
+        It is something else.
     """
     if isinstance(value, np.ndarray):
         value = value.tolist()
@@ -143,7 +143,7 @@ def vector(label: str, value: object) -> Vector:
     Raises
     ------
     RigError
-        They are not.
+        They are not three finite numbers.
     """
     values = sequence(label, value)
     if len(values) != 3:

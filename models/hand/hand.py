@@ -53,10 +53,11 @@ def unit(label: str, value: object) -> Vector:
 
 def _directions(label: str, values: object) -> tuple[Vector, ...]:
     """Unit vectors that are perpendicular to each other."""
-    found = tuple(unit(label, one) for one in sequence(label, values))
-    if found and np.abs(np.array(found) @ np.array(found).T - np.eye(len(found))).max() > 1e-9:
-        raise RigError(f"{label} are {found}, they must be perpendicular")
-    return found
+    units = tuple(unit(label, value) for value in sequence(label, values))
+    # Rounding of directions written with ten digits passes.
+    if units and np.abs(np.array(units) @ np.array(units).T - np.eye(len(units))).max() > 1e-9:
+        raise RigError(f"{label} are {units}, they must be perpendicular")
+    return units
 
 
 def _name(label: str, value: object) -> str:
@@ -80,12 +81,14 @@ class HeldObject:
     """
 
     shape: Literal["sphere", "disc"]
+    """Shape of the object: a `sphere`, or a `disc` in a planar hand."""
     radius: float
-    """[m]"""
+    """Radius of the object [m]."""
     mass: float
-    """[kg]"""
+    """Mass of the object [kg]."""
     inertia: float = 0.0
-    """About every axis of a sphere, or the disc's axis [kg m2]; 0 means homogeneous."""
+    """Moment of inertia about every axis of a sphere, or the disc's axis [kg m2]; 0 stands for
+    that of a homogeneous object."""
 
     def __post_init__(self) -> None:
         if word("object: shape", self.shape) not in SOLID:
@@ -99,7 +102,7 @@ class HeldObject:
 
 @dataclass(frozen=True)
 class Plate:
-    """A flat fingertip, round about its finger's position.
+    """A flat, round fingertip, whose middle is its finger's position.
 
     Raises
     ------
@@ -108,9 +111,9 @@ class Plate:
     """
 
     normal: Vector
-    """Towards the object, made a unit vector."""
+    """Direction of the normal towards the object, made a unit vector."""
     radius: float = math.inf
-    """How far from its middle the plate reaches [m]."""
+    """Radius of the plate [m]."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "normal", unit("plate: normal", self.normal))
@@ -120,7 +123,7 @@ class Plate:
 
 @dataclass(frozen=True)
 class Tip:
-    """A spherical fingertip about its finger's position.
+    """A spherical fingertip, whose centre is its finger's position.
 
     Raises
     ------
@@ -129,16 +132,16 @@ class Tip:
     """
 
     radius: float
-    """[m]"""
+    """Radius of the sphere [m]."""
     axes: tuple[Vector, ...] = ()
-    """What motors turn it about; perpendicular axes fixed in space, as rollers on a trackball's
-    are.  None for a fixed tip, two as K's (2.1.7), three for any turn."""
+    """Perpendicular axes that motors turn it about, made unit vectors and fixed in space as those
+    of rollers on a trackball: none for a fixed tip, two as K's (2.1.7), three for any turn."""
     inertia: float = 1e-5
-    """Of the tip with its motors about any axis [kg m2]."""
+    """Moment of inertia of the tip with its motors about any axis [kg m2]."""
     reach: float = math.pi
-    """Of a fixed tip: largest angle from its contact at home to any contact [rad]."""
+    """Largest angle on a fixed tip from its contact at home to any contact [rad]."""
     torque_limit: float = 1.0
-    """Of each motor [N m]."""
+    """Largest torque of each motor [N m]."""
 
     def __post_init__(self) -> None:
         for name in ("radius", "inertia", "reach", "torque_limit"):
@@ -159,16 +162,18 @@ class Finger:
     """
 
     name: str
+    """Name of the finger."""
     surface: Plate | Tip
+    """What the finger ends in."""
     contact: Vector = (0.0, 0.0, 0.0)
-    """Of a tip: from the object's centre to the contact at home, made a unit vector; a plate's is
-    set to minus its normal."""
+    """Direction from the object's centre to a tip's contact at home, made a unit vector; a plate's
+    is set to minus its normal."""
     slides: tuple[Vector, ...] = EVERY_WAY
-    """Perpendicular directions of its slides, one motor each, made unit vectors."""
+    """Perpendicular directions of its slides, with one motor each, made unit vectors."""
     masses: tuple[float, ...] = ()
-    """What each slide moves [kg]; 0.1 kg each if left out."""
+    """Mass that each slide moves [kg]; 0.1 kg each if left out."""
     force_limit: float = 50.0
-    """Of each slide's motor [N]."""
+    """Largest force of each slide's motor [N]."""
 
     def __post_init__(self) -> None:
         label = f"finger {_name('finger: name', self.name)}"
@@ -179,8 +184,8 @@ class Finger:
             object.__setattr__(self, "contact", (-x, -y, -z))
         object.__setattr__(self, "contact", unit(f"{label}: contact", self.contact))
         slides = _directions(f"{label}: slides", self.slides)
-        given = sequence(f"{label}: masses", self.masses) or (0.1,) * len(slides)
-        masses = tuple(_positive(f"{label}: masses", one) for one in given)
+        entries = sequence(f"{label}: masses", self.masses) or (0.1,) * len(slides)
+        masses = tuple(_positive(f"{label}: masses", entry) for entry in entries)
         if len(masses) != len(slides) or not slides:
             raise RigError(f"{label} has {len(slides)} slides and {len(masses)} masses")
         limit = _positive(f"{label}: force_limit", self.force_limit)
@@ -199,28 +204,31 @@ class Hand:
     """
 
     name: str
+    """Name of the hand."""
     held: HeldObject
+    """Object that the fingers hold."""
     fingers: tuple[Finger, ...]
+    """Fingers, one or more, in the order of all arrays."""
     friction: float = 1.0
-    """Coulomb's coefficient at every contact."""
+    """Coulomb's coefficient of friction at every contact [1]."""
     planar: bool = False
-    """Whether all moves in the plane y = 0."""
+    """Whether everything moves in the plane y = 0."""
     spin: bool = True
     """Whether the object may spin about the normal common to all contacts (K 2.14)."""
     position: Vector = (0.0, 0.0, 0.0)
-    """Of the object's centre at home [m]."""
+    """Position of the object's centre at home [m]."""
     gravity: Vector = (0.0, 0.0, -9.81)
-    """[m/s2]"""
+    """Acceleration of gravity [m/s2]."""
 
     def __post_init__(self) -> None:
         _name("hand: name", self.name)
         if not isinstance(self.held, HeldObject):
             raise RigError(f"hand {self.name}: held is {self.held!r}, it must be a HeldObject")
         for name in ("planar", "spin"):
-            if not isinstance(given := getattr(self, name), bool):
-                raise RigError(f"hand {self.name}: {name} is {given!r}, it must be True or False")
+            if not isinstance(flag := getattr(self, name), bool):
+                raise RigError(f"hand {self.name}: {name} is {flag!r}, it must be True or False")
         fingers = sequence(f"hand {self.name}: fingers", self.fingers)
-        if not fingers or not all(isinstance(one, Finger) for one in fingers):
+        if not fingers or not all(isinstance(finger, Finger) for finger in fingers):
             raise RigError(f"hand {self.name}: fingers must be one Finger or more")
         object.__setattr__(self, "fingers", fingers)
         friction = _positive(f"hand {self.name}: friction", self.friction)
@@ -249,16 +257,16 @@ class Hand:
 
     @property
     def finger_names(self) -> tuple[str, ...]:
-        """In the order of all arrays."""
+        """Names of the fingers, in the order of all arrays."""
         return tuple(finger.name for finger in self.fingers)
 
     def finger(self, name: str) -> Finger:
-        """A finger by its name.
+        """Finger of that name.
 
         Raises
         ------
         RigError
-            There is none of that name.
+            There is no finger of that name.
         """
         if name not in self.finger_names:
             known = did_you_mean(name, self.finger_names)

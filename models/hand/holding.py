@@ -14,9 +14,10 @@ from ..values import bounded
 from .hand import Hand, Tip
 
 SQUEEZE = 5.0
-"""Normal forces of a hand of several fingers at home, over the object's weight."""
+"""Normal force of each finger of a hand of several at home, over the object's weight."""
 RESIDUAL = 1e-9
-"""Largest force or torque over radius that may be left unbalanced, over the largest there is."""
+"""Largest unbalanced force or torque over radius that is put down to rounding, over the largest
+force or torque over radius that is needed."""
 
 
 def grasp_map(contacts: Array) -> Array:
@@ -42,9 +43,11 @@ def nearest_forces(hand: Hand, contacts: Array, wrench: Array, squeeze: float) -
     plain = -squeeze * contacts.ravel()
     missing = wrench - to_object @ plain
     forces = plain + np.linalg.lstsq(to_object, missing, rcond=1e-9)[0]
-    left = np.abs(to_object @ forces - wrench).max()
-    if left > RESIDUAL * max(np.abs(wrench).max(), squeeze):
-        raise ModelError(f"hand {hand.name} cannot hold its object: {left:.3g} N are unbalanced")
+    residual = np.abs(to_object @ forces - wrench).max()
+    if residual > RESIDUAL * max(np.abs(wrench).max(), squeeze):
+        raise ModelError(
+            f"hand {hand.name} cannot hold its object: {residual:.3g} N are unbalanced"
+        )
     return np.asarray(forces.reshape(-1, 3))
 
 

@@ -18,13 +18,13 @@ TURNINGS = {
 
 
 def _pairs(label: str, values: object) -> tuple[tuple[float, float], ...]:
-    found = []
-    for one in sequence(label, values):
-        pair = sequence(label, one)
+    pairs = []
+    for value in sequence(label, values):
+        pair = sequence(label, value)
         if len(pair) != 2:
             raise RigError(f"{label} has {len(pair)} numbers for one contact, it needs 2")
-        found.append((number(label, pair[0]), number(label, pair[1])))
-    return tuple(found)
+        pairs.append((number(label, pair[0]), number(label, pair[1])))
+    return tuple(pairs)
 
 
 @dataclass(frozen=True)
@@ -43,28 +43,29 @@ class HandMove:
     goal: tuple[float, ...]
     """Orientation at the end [rad]."""
     start: tuple[float, ...] = ()
-    """Orientation at the beginning [rad]; upright if left out."""
+    """Orientation at the start [rad]; upright if left out."""
     duration: float = 1.0
-    """[s]"""
+    """Time from rest to rest [s]."""
     turning: Literal["rpy", "axis", "rolling", "spinning"] = "rpy"
-    """How the orientation goes from one to the other, see `TURNINGS`."""
+    """How the orientation goes from one to the other; `TURNINGS` says what each means."""
     order: int = 4
-    """Number of continuous derivatives; forces need two."""
+    """Number of continuous derivatives of the path; forces need two."""
     shift: Vector = (0.0, 0.0, 0.0)
-    """By how much the object's centre moves [m], not in ways that rolling decides itself."""
+    """Displacement of the object's centre [m], but for what rolling decides by itself."""
     touch: tuple[float, float] | None = None
-    """Where the contact on the first finger's plate is to end, in the plate's x and y [m]; for
-    "spinning" only.  It begins in the plate's middle."""
+    """Place (x, y) on the first finger's plate where its contact is to end [m], for "spinning"
+    only; it begins in the plate's middle."""
     contacts: tuple[tuple[float, float], ...] = ()
-    """Of turning tips: (azimuth, latitude) of each finger's contact on the object at the end
-    [rad], in the object's axes (K 2.109)."""
+    """Azimuth and latitude of the contact of each turning tip on the object at the end [rad], in
+    the object's axes (K 2.109)."""
     start_contacts: tuple[tuple[float, float], ...] = ()
-    """The same at the beginning; the hand's contacts at home if left out."""
+    """Azimuth and latitude of these contacts at the start [rad]; the hand's contacts at home if
+    left out."""
 
     def __post_init__(self) -> None:
         for name in ("goal", "start"):
             values = sequence(f"move: {name}", getattr(self, name))
-            angles = tuple(number(f"move: {name}", one) for one in values)
+            angles = tuple(number(f"move: {name}", value) for value in values)
             if len(angles) not in ((1, 3) if name == "goal" else (0, 1, 3)):
                 raise RigError(f"move: {name} has {len(angles)} angles, it needs 3, or 1 in plane")
             object.__setattr__(self, name, angles)

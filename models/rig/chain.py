@@ -34,17 +34,17 @@ class Link:
     frame: Frame | None
     """The frame in whose axes this body's joints are; None for the world."""
     position: Vector
-    """Of the body at home, in the parent's axes, from the parent's origin [m]."""
+    """Position of the body at home, in the parent's axes, from the parent's origin [m]."""
     joints: tuple[str, ...]
-    """Names, in the order of qpos."""
+    """Names of the joints, in the order of qpos."""
     home: tuple[float, ...]
-    """Joint values at home, one a joint."""
+    """Value of each joint at home [m], [rad]."""
     sums: tuple[tuple[str, float], ...] = ()
     """Joints and coefficients whose sum is the trolley's position on its rail, if not one joint."""
 
     @property
     def name(self) -> str:
-        """Of the body."""
+        """Name of the body."""
         return self.part.name
 
 
@@ -87,8 +87,8 @@ def _components(rig: Rig) -> list[list[Mass]]:
         tied = [group for group in groups if group & _tied(rig, rope)]
         if tied:
             groups = [group for group in groups if group not in tied] + [set().union(*tied)]
-    found = [[mass for mass in rig.masses if mass.name in group] for group in groups]
-    return sorted(found, key=lambda members: rig.masses.index(members[0]))
+    components = [[mass for mass in rig.masses if mass.name in group] for group in groups]
+    return sorted(components, key=lambda members: rig.masses.index(members[0]))
 
 
 def _carrier(rig: Rig, members: list[Mass]) -> Frame | None:

@@ -18,7 +18,7 @@ def spans(rig: Rig, motion: Mapping[str, Array]) -> dict[str, Array]:
     `motion` is what `flatrig.models.mjcf.rig_state.points` returns.  A span without length has no
     direction: its derivatives are given as zero.
     """
-    found = {}
+    by_rope = {}
     for rope in rig.ropes:
         path = np.stack([motion[name] for name in rope.path])
         step = np.moveaxis(path[1:] - path[:-1], 0, -2)  # (orders, N, spans, 3)
@@ -29,8 +29,8 @@ def spans(rig: Rig, motion: Mapping[str, Array]) -> dict[str, Array]:
         if len(step) > 2:
             across = (step[1] ** 2).sum(-1) - lengths[1] ** 2
             lengths.append((unit * step[2]).sum(-1) + across * inverse)
-        found[rope.name] = np.stack(lengths)
-    return found
+        by_rope[rope.name] = np.stack(lengths)
+    return by_rope
 
 
 def rope_lengths(rig: Rig, motion: Mapping[str, Array]) -> dict[str, Array]:

@@ -16,27 +16,28 @@ class Move:
     Raises
     ------
     PathError
-        A value is wrong.
+        A field has a value that it cannot have.
     """
 
     start: tuple[float, ...] = ()
-    """Outputs at the start, in the order of `Rig.outputs`."""
+    """Values of the outputs at the start [m], [rad], in the order of `Rig.outputs`."""
     goal: tuple[float, ...] = ()
-    """Outputs at the end."""
+    """Values of the outputs at the end [m], [rad], in the same order."""
     duration: float = 0.0
-    """[s]"""
+    """Time from rest to rest [s]."""
     profile: Literal["polynomial", "three_phase", "sampled"] = "polynomial"
-    """`polynomial`: degree 2 order + 1; `three_phase`: constant speed between two blends;
-    `sampled`: a spline through the points of the file `samples`, which gives the values above."""
+    """Shape of the way in time: `polynomial` of degree 2 order + 1; `three_phase`, a constant
+    speed between two blends; `sampled`, a spline through the points of the file `samples`, which
+    then gives the values above."""
     order: int = 4
-    """Number of continuous derivatives."""
+    """Number of continuous derivatives of the path."""
     blend: float = 5.0
     """Duration of each blend of a three-phase profile [s]."""
     turning: tuple[int, ...] = ()
-    """Columns, counted from 0, of the three Bryant angles of a platform that turns about one fixed
-    axis; without them each angle goes its own straight way."""
+    """Columns, counted from 0, of the three Bryant angles of a platform that is to turn about one
+    fixed axis; without them each angle goes its own straight way."""
     samples: str = ""
-    """CSV file of a sampled path: time [s], then the outputs."""
+    """Name of the CSV file of a sampled path, with the columns time [s] and the outputs."""
 
     def __post_init__(self) -> None:
         try:

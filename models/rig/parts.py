@@ -19,22 +19,22 @@ class _Part:
 
 @dataclass(frozen=True)
 class Frame(_Part):
-    """A structure that carries rails and anchors, and has one degree of freedom.
-
-    `turning`: turns about the vertical axis through the origin; coordinate `NAME.angle` [rad].
-    `sliding`: moves along `axis`; coordinate `NAME.position` [m].
-    """
+    """A structure that carries rails and anchors, and has one degree of freedom."""
 
     name: str
+    """Name of the frame, which rails and anchors give to stand on it."""
     kind: Literal["turning", "sliding"]
+    """How the frame moves: `turning` about the vertical axis through the origin, with coordinate
+    `NAME.angle` [rad], or `sliding` along `axis`, with coordinate `NAME.position` [m]."""
     inertia: float
-    """About the axis [kg m2] if turning, mass [kg] if sliding; includes all it carries rigidly."""
+    """Moment of inertia about the axis [kg m2] of a turning frame, mass [kg] of a sliding one, with
+    everything that it carries rigidly."""
     axis: Vector = (0.0, 0.0, 1.0)
-    """Unit direction of motion of a sliding frame; a turning one has (0, 0, 1)."""
+    """Unit vector along which a sliding frame moves; a turning one has (0, 0, 1)."""
 
     @property
     def coordinate(self) -> str:
-        """Name of its coordinate."""
+        """Name of the frame's coordinate."""
         return f"{self.name}.{'angle' if self.kind == 'turning' else 'position'}"
 
 
@@ -43,10 +43,12 @@ class Anchor(_Part):
     """A point fixed in a frame: where a winch or a deflection pulley is mounted."""
 
     name: str
+    """Name of the anchor, which ropes give in their paths."""
     position: Vector
-    """In the frame [m]; in a platform from its centre of mass."""
+    """Position in the axes of its frame [m]; on a platform, from the centre of mass."""
     frame: str = WORLD
-    """A frame's name, or a platform's: then a corner that ropes are tied to."""
+    """Name of the frame that carries it, or of a platform, of which it is then a corner that ropes
+    are tied to."""
 
 
 @dataclass(frozen=True)
@@ -54,15 +56,17 @@ class Rail(_Part):
     """A straight rail fixed in a frame, from `start` to `end` along `direction`."""
 
     name: str
+    """Name of the rail, which a trolley gives to run on it."""
     direction: Vector
-    """Unit vector in the frame."""
+    """Unit vector in the axes of its frame, along which a trolley's position grows."""
     origin: Vector = (0.0, 0.0, 0.0)
-    """Where the trolley's position is zero, in the frame [m]."""
+    """Point at which a trolley's position is zero, in the axes of its frame [m]."""
     frame: str = WORLD
+    """Name of the frame that carries it."""
     start: float = field(default=-math.inf, metadata=ENDLESS)
-    """Lowest position of a trolley [m]."""
+    """Lowest position that a trolley can have [m]."""
     end: float = field(default=math.inf, metadata=ENDLESS)
-    """Highest position of a trolley [m]."""
+    """Highest position that a trolley can have [m]."""
 
 
 @dataclass(frozen=True)
@@ -70,13 +74,15 @@ class Trolley(_Part):
     """A point mass on a rail; coordinate `NAME.position` [m] along it."""
 
     name: str
+    """Name of the trolley."""
     mass: float
-    """[kg]"""
+    """Mass of the trolley with all it carries rigidly, such as a winch [kg]."""
     rail: str
+    """Name of the rail that it runs on."""
 
     @property
     def coordinate(self) -> str:
-        """Name of its coordinate."""
+        """Name of the trolley's coordinate."""
         return f"{self.name}.position"
 
 
@@ -88,8 +94,9 @@ class Load(_Part):
     """
 
     name: str
+    """Name of the load."""
     mass: float
-    """[kg]"""
+    """Mass of the load [kg]; a free pulley may have none, 0."""
 
 
 @dataclass(frozen=True)
@@ -101,14 +108,15 @@ class Platform(_Part):
     """
 
     name: str
+    """Name of the platform, which anchors give to be its corners."""
     mass: float
-    """[kg]"""
+    """Mass of the platform [kg]."""
     inertia: Vector
-    """Principal moments of inertia about its own x, y and z axis [kg m2]."""
+    """Principal moments of inertia about its own x, y and z axes [kg m2]."""
 
     @property
     def angles(self) -> tuple[str, str, str]:
-        """Names of its Bryant angles."""
+        """Names of its Bryant angles alpha, beta and gamma."""
         return (f"{self.name}.alpha", f"{self.name}.beta", f"{self.name}.gamma")
 
 
@@ -117,10 +125,11 @@ class Combination(_Part):
     """A weighted sum of coordinates that a reference can prescribe; it is an output by its name."""
 
     name: str
+    """Name of the sum, which `Rig.outputs` gives."""
     of: tuple[str, ...]
-    """Coordinates, angles excepted."""
+    """Names of the coordinates that are summed, none of them an angle."""
     factors: tuple[float, ...]
-    """One for each of them."""
+    """Factor of each of these coordinates [1]."""
 
 
 @dataclass(frozen=True)
@@ -128,10 +137,11 @@ class Sheave(_Part):
     """A pulley with inertia at an inner point of a rope's path."""
 
     at: str
+    """Name of the point in the rope's path at which it turns."""
     inertia: float
-    """[kg m2]"""
+    """Moment of inertia about its axle [kg m2]."""
     radius: float
-    """[m]"""
+    """Radius at which the rope runs over it [m]."""
 
 
 @dataclass(frozen=True)
@@ -143,29 +153,32 @@ class Rope(_Part):
     """
 
     name: str
+    """Name of the rope."""
     path: tuple[str, ...]
-    """Names of anchors, trolleys and loads, two or more."""
+    """Names of the anchors, trolleys and loads that it runs through, two or more, from the winch
+    to its end."""
     drum_radius: float
-    """[m]"""
+    """Radius of the winch's drum [m]."""
     winch_inertia: float
-    """Of the winch with its motor [kg m2]."""
+    """Moment of inertia of the winch with its motor [kg m2]."""
     sheaves: tuple[Sheave, ...] = ()
+    """Pulleys with inertia that it runs over; all other inner points of its path turn freely."""
     falls: int = 1
-    """Parallel parts of the last span, which then ends at a block: it shortens by one metre when
-    the winch takes in `falls` metres, and pulls `falls` times as hard."""
+    """Number of parallel parts of the last span, which then ends at a block: it shortens by one
+    metre when the winch takes in `falls` metres, and pulls `falls` times as hard."""
 
     @property
     def coordinate(self) -> str:
-        """Name of its coordinate."""
+        """Name of the coordinate that is its whole length."""
         return f"{self.name}.length"
 
     @property
     def inertia_along(self) -> float:
-        """What the winch adds to the rope's inertia along its length [kg], J/r^2."""
+        """Inertia that the winch adds along the rope, J/r^2 [kg]."""
         return self.winch_inertia / self.drum_radius**2
 
     def after(self, sheave: Sheave) -> int:
-        """Place in `path` of a sheave's point, which is never the winch."""
+        """Index in `path` of a sheave's point, which is never the winch."""
         return self.path.index(sheave.at, 1)
 
 
@@ -174,7 +187,8 @@ class Drive(_Part):
     """An input: a torque on a turning frame or a rope's winch, a force on a slide or trolley."""
 
     name: str
+    """Name of the drive and of its input."""
     on: str
-    """Name of a frame, trolley or rope."""
+    """Name of the frame, trolley or rope that it acts on."""
     limit: float
-    """Largest magnitude [N] or [N m]; scales the actions of the environments."""
+    """Largest magnitude of the input [N] or [N m], which scales the actions of the environments."""

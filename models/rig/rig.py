@@ -74,8 +74,6 @@ __all__ = [
 class Rig:
     """A crane: its parts, its inputs, and the coordinates that a reference path prescribes.
 
-    Parameters are checked on construction.
-
     Raises
     ------
     RigError
@@ -83,23 +81,31 @@ class Rig:
     """
 
     name: str
+    """Name of the rig."""
     masses: tuple[Trolley | Load | Platform, ...]
+    """Bodies that ropes move; sorted into trolleys, then loads, then platforms."""
     ropes: tuple[Rope, ...]
+    """Ropes with their winches."""
     drives: tuple[Drive, ...]
+    """Inputs, as many as `outputs`."""
     outputs: tuple[str, ...]
     """Coordinates and combinations that a reference prescribes, in the order of its columns."""
     frames: tuple[Frame, ...] = ()
+    """Structures that move: booms, bridges, gantries."""
     anchors: tuple[Anchor, ...] = ()
+    """Points fixed in the world, in frames and in platforms."""
     rails: tuple[Rail, ...] = ()
+    """Rails that trolleys run on."""
     combinations: tuple[Combination, ...] = ()
+    """Weighted sums of coordinates that can be outputs."""
     home: Mapping[str, float | Vector] = Home({})
-    """A configuration at rest: angle [rad] or position [m] of each frame and trolley (0 if
-    left out), (x, y, z) [m] of each load and of each platform, which is upright.  It fixes the
-    branch of the equations' solutions."""
+    """A configuration at rest, by the parts' names: angle [rad] or position [m] of each frame and
+    trolley (0 if left out), (x, y, z) [m] of each load and of each platform, which is upright.  It
+    fixes the branch of the equations' solutions."""
     dimensions: Literal[2, 3] = 3
-    """2: everything stays in the plane y = 0."""
+    """Number of dimensions; with 2, everything stays in the plane y = 0."""
     gravity: float = 9.81
-    """[m/s2], along -z."""
+    """Acceleration of gravity along -z [m/s2]."""
 
     def __post_init__(self) -> None:
         clean(self)
@@ -137,7 +143,7 @@ class Rig:
 
     @cached_property
     def rope_names(self) -> tuple[str, ...]:
-        """Names of the ropes."""
+        """Names of the ropes, in their order."""
         return tuple(rope.name for rope in self.ropes)
 
     @property
@@ -147,7 +153,7 @@ class Rig:
 
     @cached_property
     def coordinate_names(self) -> tuple[str, ...]:
-        """Names of the coordinates: of frames, trolleys, ropes, loads, platforms."""
+        """Names of the coordinates: of frames, trolleys, ropes, loads, then platforms."""
         names = [frame.coordinate for frame in self.frames]
         names += [mass.coordinate for mass in self.trolleys]
         names += [rope.coordinate for rope in self.ropes]
@@ -159,17 +165,17 @@ class Rig:
 
     @property
     def trolleys(self) -> tuple[Trolley, ...]:
-        """The masses on rails."""
+        """Point masses on rails."""
         return tuple(mass for mass in self.masses if isinstance(mass, Trolley))
 
     @property
     def loads(self) -> tuple[Load, ...]:
-        """The free masses."""
+        """Point masses that are free to move, free pulleys included."""
         return tuple(mass for mass in self.masses if isinstance(mass, Load))
 
     @property
     def platforms(self) -> tuple[Platform, ...]:
-        """The rigid bodies that hang from ropes."""
+        """Rigid bodies that hang from ropes."""
         return tuple(mass for mass in self.masses if isinstance(mass, Platform))
 
     @property
@@ -195,31 +201,31 @@ class Rig:
         return ((1.0, output),)
 
     def platform(self, name: str) -> Platform | None:
-        """The platform of that name, if there is one."""
+        """Platform of that name; None if there is none."""
         return next((part for part in self.platforms if part.name == name), None)
 
     def frame(self, name: str) -> Frame | None:
-        """The frame of that name; None for the world.
+        """Frame of that name; None for the world.
 
         Raises
         ------
         RigError
-            There is none.
+            There is no frame of that name.
         """
         return None if name == WORLD else _named("frame", self.frames, name)
 
     def rail(self, name: str) -> Rail:
-        """The rail of that name.
+        """Rail of that name.
 
         Raises
         ------
         RigError
-            There is none.
+            There is no rail of that name.
         """
         return _named("rail", self.rails, name)
 
     def driven(self, drive: Drive) -> Frame | Trolley | Rope:
-        """What a drive acts on."""
+        """Part that a drive acts on."""
         return next(part for part in self._drivable if part.name == drive.on)
 
     @property
@@ -233,7 +239,7 @@ class Rig:
     def home_of(self, part: Load | Platform) -> Vector: ...
 
     def home_of(self, part: Frame | Trolley | Load | Platform) -> float | Vector:
-        """Home value of a frame, trolley, load or platform."""
+        """Home value of a part: an angle [rad] or position [m], or (x, y, z) [m]."""
         free = isinstance(part, Load | Platform)
         return self.home.get(part.name, (0.0, 0.0, 0.0) if free else 0.0)
 
@@ -248,7 +254,13 @@ class Rig:
         return values | {angle: 0.0 for part in self.platforms for angle in part.angles}
 
     def home_point(self, name: str) -> Vector:
-        """Where an anchor, trolley, load or platform is at home, in the world [m]."""
+        """Position in the world of an anchor, trolley, load or platform at home [m].
+
+        Raises
+        ------
+        RigError
+            There is no such point.
+        """
         part = _named("point", (*self.anchors, *self.masses), name)
         if isinstance(part, Load | Platform):
             return self.home_of(part)
