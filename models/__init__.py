@@ -132,9 +132,9 @@ def compile(rig: Rig, **options: Any) -> "mujoco.MjModel":
     ModelError
         MuJoCo cannot hold the rig, or would simulate something else.
     """
-    from .mjcf import rig_model as mjcf
+    from .mjcf import rig_model
 
-    return mjcf.compile(rig, **options)
+    return rig_model.compile(rig, **options)
 
 
 def compile_hand(hand: Hand, **options: Any) -> "mujoco.MjModel":
@@ -145,6 +145,6 @@ def compile_hand(hand: Hand, **options: Any) -> "mujoco.MjModel":
     ModelError
         The object cannot be held at home, or MuJoCo refuses the model.
     """
-    from .mjcf import hand_model as hand_mjcf
+    from .mjcf import hand_model
 
-    return hand_mjcf.compile_hand(hand, **options)
+    return hand_model.compile_hand(hand, **options)

@@ -8,7 +8,7 @@ to the new state under the inputs still held.
 import mujoco
 import numpy as np
 
-from ...models.mjcf import rig_model as mjcf
+from ...models.mjcf import rig_model
 from ...models.mjcf.rig_state import State, coordinates, joint_state, points
 from ...models.rig.rig import Rig
 from ...models.types import Array
@@ -213,7 +213,9 @@ def _model(
     rig: Rig, timestep: float, friction: bool, rates: bool, massless: float | None
 ) -> mujoco.MjModel:
     """The rig's bare physics, with the loads' velocities as sensors if asked for."""
-    scene = mjcf.spec(rig, timestep=timestep, visuals=False, friction=friction, massless=massless)
+    scene = rig_model.spec(
+        rig, timestep=timestep, visuals=False, friction=friction, massless=massless
+    )
     if rates:
         for name in [part.name for part in rig.hanging]:
             scene.add_sensor(
@@ -223,5 +225,5 @@ def _model(
                 objname=name,
             )
     model = bare_model(scene)
-    mjcf.check(model)
+    rig_model.check(model)
     return model

@@ -1,6 +1,6 @@
 """The MuJoCo model of a hand, with real frictional contacts that roll.
 
-    model = hand_mjcf.compile_hand(make_hand("ball-in-corner"))
+    model = compile_hand(make_hand("ball-in-corner"))
     model = compile_hand(hand, MUJOCO_DEFAULTS)      # for comparison: slips and lets go
     model = compile_hand(hand, servo=300.0)          # position actuators instead of motors
 

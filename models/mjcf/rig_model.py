@@ -1,6 +1,6 @@
 """The MuJoCo model of a rig.
 
-    model = mjcf.compile(models.rotary_crane())
+    model = models.compile(models.rotary_crane())
 
 A rope with its winch becomes a spatial tendon with `armature` J/r^2 and a motor on the tendon
 with gear 1/r: the sources' equations exactly, without a constraint.  A turning frame is a hinge

@@ -17,12 +17,6 @@ def add_sum(scene: mujoco.MjSpec, link: Link) -> None:
             tendon.wrap_joint(name, factor)
 
 
-def add_rope(scene: mujoco.MjSpec, rope: Rope) -> None:
-    """Its tendon, then one for each sheave with inertia: the path from there to the rope's end."""
-    lay(scene, rope.name, rope.path, rope.falls, rope.inertia_along)
-    add_sheaves(scene, rope)
-
-
 def add_sheaves(scene: mujoco.MjSpec, rope: Rope) -> None:
     """A tendon for each sheave with inertia: the path from there to the rope's end."""
     for sheave in rope.sheaves:

@@ -9,9 +9,8 @@ import pytest
 from flatrig import models
 from flatrig.feedforward import from_move, solve
 from flatrig.models import ModelError
-from flatrig.models.mjcf import rig_model as mjcf
-from flatrig.models.mjcf import rig_state as state
-from flatrig.models.mjcf import simulate as run
+from flatrig.models.mjcf import rig_model, rig_state, simulate
+from flatrig.models.rig import lengths
 from flatrig.models.rig.chain import joint_names, links
 from flatrig.models.rig.rig import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Sheave, Trolley
 
@@ -103,11 +102,11 @@ def rig(request):
 
 def test_kinetic_energy_is_that_of_masses_winches_and_sheaves(rig, random_states):
     """With the potential, which is plain, this fixes the whole left side of the equations."""
-    model = mjcf.compile(rig, visuals=False)
+    model = rig_model.compile(rig, visuals=False)
     qpos, qvel, _ = random_states(rig)
-    motion, data = state.points(rig, qpos, qvel), mujoco.MjData(model)
-    spans = state.spans(rig, motion)
-    values, rates = state.coordinates(rig, model, state.State(qpos, qvel))
+    motion, data = rig_state.points(rig, qpos, qvel), mujoco.MjData(model)
+    spans = lengths.spans(rig, motion)
+    values, rates = rig_state.coordinates(rig, model, rig_state.State(qpos, qvel))
     expected = sum(frame.inertia * rates[frame.coordinate] ** 2 for frame in rig.frames)
     expected = expected + sum(m.mass * (motion[m.name][1] ** 2).sum(-1) for m in rig.masses)
     expected = expected + sum(spin_energy(body, rates, values) for body in rig.platforms)
@@ -136,7 +135,7 @@ def test_a_sheave_turns_with_the_rope_beyond_it_even_at_the_winch():
             ),
         ),
     )  # fmt: skip
-    scene = mjcf.spec(rig, visuals=False)
+    scene = rig_model.spec(rig, visuals=False)
     assert [wrap.target.name for wrap in scene.tendon("hoist.winch").path] == ["winch", "load"]
 
 
@@ -153,16 +152,16 @@ def spin_energy(platform, rates, values):
 
 def test_the_last_span_counts_once_for_each_fall():
     """Four falls: the winch takes in 4 m a metre of lift, and pulls a quarter of the weight."""
-    model = mjcf.compile(FALLS, visuals=False)
+    model = rig_model.compile(FALLS, visuals=False)
     home = model.key("home")
-    values, _ = state.coordinates(FALLS, model, state.State(home.qpos, np.zeros(model.nv)))
+    values, _ = rig_state.coordinates(FALLS, model, rig_state.State(home.qpos, np.zeros(model.nv)))
     assert values["hoist.length"] == pytest.approx(3.0 + 4 * 5.0, abs=1e-12)
     assert values["tail.length"] == pytest.approx(2 * 1.0, abs=1e-12)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     np.testing.assert_allclose(data.ten_length[[0, 2]], [23.0, 2.0], rtol=0, atol=1e-12)
     assert data.tendon("hoist.trolley").length[0] == pytest.approx(20.0, abs=1e-12)
-    tensions = state.tensions(FALLS, home.qpos, home.qvel, np.zeros(model.nv), home.ctrl)
+    tensions = rig_state.tensions(FALLS, home.qpos, home.qvel, np.zeros(model.nv), home.ctrl)
     np.testing.assert_allclose(tensions, [50 * 9.81 / 4, 20 * 9.81 / 2], rtol=1e-9)
 
 
@@ -174,7 +173,7 @@ def test_a_platform_is_turned_about_x_then_y_then_z_of_its_own():
     quarter = {"platform.alpha": np.pi / 2, "platform.gamma": np.pi / 2}
     for name, angle in quarter.items():
         qpos[names.index(name)] = angle
-    found = state.points(rig, qpos, np.zeros_like(qpos))
+    found = rig_state.points(rig, qpos, np.zeros_like(qpos))
     arm = found["corner_1"][0] - found["platform"][0]
     # Rz takes the corner from x to y, Rx then from y to z
     np.testing.assert_allclose(arm, [0.0, 0.0, 1.2 / np.sqrt(3)], rtol=0, atol=1e-12)
@@ -182,16 +181,16 @@ def test_a_platform_is_turned_about_x_then_y_then_z_of_its_own():
 
 def test_power_of_inputs_and_gravity(rig, random_states):
     """d/dt of the kinetic energy is what the inputs and gravity put in (work of the inputs)."""
-    model = mjcf.compile(rig, visuals=False)
+    model = rig_model.compile(rig, visuals=False)
     qpos, qvel, ctrl = random_states(rig)
-    qacc = run.accelerations(model, qpos, qvel, ctrl)
-    _, rates = state.coordinates(rig, model, state.State(qpos, qvel))
+    qacc = simulate.accelerations(model, qpos, qvel, ctrl)
+    _, rates = rig_state.coordinates(rig, model, rig_state.State(qpos, qvel))
     power = np.zeros(len(qpos))
     for column, drive in enumerate(rig.drives):
         part = rig.driven(drive)
         scale = 1 / part.drum_radius if isinstance(part, Rope) else 1.0
         power += ctrl[:, column] * scale * rates[part.coordinate]
-    motion = state.points(rig, qpos, qvel, qacc)
+    motion = rig_state.points(rig, qpos, qvel, qacc)
     power -= sum(rig.gravity * mass.mass * motion[mass.name][1, :, 2] for mass in rig.masses)
     data = mujoco.MjData(model)
 
@@ -208,10 +207,10 @@ def test_power_of_inputs_and_gravity(rig, random_states):
 
 
 def test_points_and_sensors_agree_with_mujoco(rig, random_states):
-    model = mjcf.compile(rig)
+    model = rig_model.compile(rig)
     qpos, qvel, _ = random_states(rig)
-    values, rates = state.coordinates(rig, model, state.State(qpos, qvel))
-    motion, data = state.points(rig, qpos, qvel), mujoco.MjData(model)
+    values, rates = rig_state.coordinates(rig, model, rig_state.State(qpos, qvel))
+    motion, data = rig_state.points(rig, qpos, qvel), mujoco.MjData(model)
     for k in range(len(qpos)):
         data.qpos[:], data.qvel[:] = qpos[k], qvel[k]
         mujoco.mj_forward(model, data)
@@ -221,8 +220,11 @@ def test_points_and_sensors_agree_with_mujoco(rig, random_states):
             name = part.coordinate
             assert data.sensor(name).data[0] == pytest.approx(values[name][k], abs=1e-12)
             assert data.sensor(f"{name}.rate").data[0] == pytest.approx(rates[name][k], abs=1e-12)
-    moved = state.points(rig, qpos + 1e-5 * qvel, qvel), state.points(rig, qpos - 1e-5 * qvel, qvel)
-    still = state.points(rig, qpos, qvel, np.zeros_like(qvel))
+    moved = (
+        rig_state.points(rig, qpos + 1e-5 * qvel, qvel),
+        rig_state.points(rig, qpos - 1e-5 * qvel, qvel),
+    )
+    still = rig_state.points(rig, qpos, qvel, np.zeros_like(qvel))
     for name in motion:
         for order in (0, 1):
             slope = (moved[0][name][order] - moved[1][name][order]) / 2e-5
@@ -230,14 +232,14 @@ def test_points_and_sensors_agree_with_mujoco(rig, random_states):
 
 
 def test_joint_state_and_back(rig, random_states):
-    model = mjcf.compile(rig, visuals=False)
+    model = rig_model.compile(rig, visuals=False)
     qpos, qvel, _ = random_states(rig)
-    values, rates = state.coordinates(rig, model, state.State(qpos, qvel))
+    values, rates = rig_state.coordinates(rig, model, rig_state.State(qpos, qvel))
     assert tuple(values) == tuple(rates) == rig.coordinate_names
-    back = state.joint_state(rig, model, values, rates)
+    back = rig_state.joint_state(rig, model, values, rates)
     np.testing.assert_allclose(back.qpos, qpos, atol=1e-12)
     np.testing.assert_allclose(back.qvel, qvel, atol=1e-12)
-    single = state.joint_state(rig, model, {name: value[3] for name, value in values.items()})
+    single = rig_state.joint_state(rig, model, {name: value[3] for name, value in values.items()})
     np.testing.assert_allclose(single.qpos, qpos[3], atol=1e-12)
     assert not single.qvel.any()
 
@@ -245,20 +247,20 @@ def test_joint_state_and_back(rig, random_states):
 def test_joint_state_takes_the_columns_of_a_motion():
     """Names that feedforward adds are left aside; others are mistakes."""
     rig = models.rotary_crane()
-    model = mjcf.compile(rig, visuals=False)
+    model = rig_model.compile(rig, visuals=False)
     home = {"bridge.angle": 0.0, "trolley.position": 5.0}
     home |= {"load.x": 5.0, "load.y": 0.0, "load.z": -5.0}
     motion = solve(rig, from_move(models.default_move(rig.name)), [0.0, 20.0])
     columns = dict(zip(motion.coordinate_names, motion.positions.T, strict=True))
     rates = dict(zip(motion.coordinate_names, motion.velocities.T, strict=True))
     assert set(columns) > set(rig.coordinate_names)
-    found = state.joint_state(rig, model, columns, rates)
+    found = rig_state.joint_state(rig, model, columns, rates)
     np.testing.assert_allclose(
-        found.qpos[0], state.joint_state(rig, model, home).qpos, rtol=0, atol=1e-9
+        found.qpos[0], rig_state.joint_state(rig, model, home).qpos, rtol=0, atol=1e-9
     )
     spans = models.roped_overhead_crane()
     values = {"trolley.position": 0.0, "load.x": 0.0, "load.z": -4.0, "hoist.span1": 3.0}
-    assert not state.joint_state(spans, mjcf.compile(spans), values).qvel.any()
+    assert not rig_state.joint_state(spans, rig_model.compile(spans), values).qvel.any()
 
 
 @pytest.mark.parametrize(
@@ -278,32 +280,32 @@ def test_joint_state_refuses_what_cannot_be(values, rates, message):
     rig = models.overhead_crane()
     home = {"trolley.position": 0.0, "load.x": 0.0, "load.z": -4.0}
     with pytest.raises(ModelError, match=message):
-        state.joint_state(rig, mjcf.compile(rig, visuals=False), home | values, rates)
+        rig_state.joint_state(rig, rig_model.compile(rig, visuals=False), home | values, rates)
 
 
 def test_coordinates_are_copies():
     rig = models.overhead_crane()
-    model = mjcf.compile(rig)
+    model = rig_model.compile(rig)
     qpos = np.zeros((2, model.nq))  # a rope without length, too
-    values, _ = state.coordinates(rig, model, state.State(qpos, qpos))
+    values, _ = rig_state.coordinates(rig, model, rig_state.State(qpos, qpos))
     values["trolley.position"][:] = 5.0
     assert not qpos.any()
     assert not values["hoist.length"].any()
-    values, _ = state.coordinates(rig, model, mujoco.MjData(model))
+    values, _ = rig_state.coordinates(rig, model, mujoco.MjData(model))
     assert values["load.z"] == -4.0
 
 
 def test_rigs_that_cannot_be_one_chain():
     skew = dataclasses.replace(TANDEM, rails=(Rail("upper", X), Rail("lower", (0.6, 0.0, 0.8))))
     with pytest.raises(ModelError, match="rail upper is not parallel to rail lower"):
-        mjcf.compile(skew)
+        rig_model.compile(skew)
     two = dataclasses.replace(
         NAVY,
         frames=(*NAVY.frames, Frame("quay", "sliding", 9.0, axis=X)),
         anchors=(*NAVY.anchors[:2], dataclasses.replace(NAVY.anchors[2], frame="quay")),
     )
     with pytest.raises(ModelError, match="tie frames boom and quay together"):
-        mjcf.compile(two)
+        rig_model.compile(two)
     fixed = dataclasses.replace(
         NAVY,
         rails=(Rail("quay", X),),
@@ -311,7 +313,7 @@ def test_rigs_that_cannot_be_one_chain():
         ropes=(*NAVY.ropes[:2], Rope("tag", ("cart", "load"), 0.1, 0.1)),
     )
     with pytest.raises(ModelError, match="tie trolley cart, whose rail is fixed, to frame boom"):
-        mjcf.compile(fixed)
+        rig_model.compile(fixed)
     manipulator = RIGS["cable_manipulator"]
     turning = dataclasses.replace(
         manipulator,
@@ -319,7 +321,7 @@ def test_rigs_that_cannot_be_one_chain():
         home={**manipulator.home, "gantry": 0.0},
     )
     with pytest.raises(ModelError, match="platform platform hangs from turning frame gantry"):
-        mjcf.compile(turning)
+        rig_model.compile(turning)
     second = dataclasses.replace(manipulator.platforms[0], name="second")
     double = dataclasses.replace(
         manipulator,
@@ -329,21 +331,21 @@ def test_rigs_that_cannot_be_one_chain():
         home={**manipulator.home, "second": (1.0, 1.0, -9.0)},
     )
     with pytest.raises(ModelError, match="ropes tie platforms platform and second together"):
-        mjcf.compile(double)
+        rig_model.compile(double)
 
 
 @pytest.mark.parametrize("build", [models.navy_crane_2d, models.navy_crane_3d])
 def test_a_small_mass_without_weight_stands_in_for_none(build):
     rig = build(pulley_mass=0.0)
     with pytest.raises(ModelError, match=r"load pulley: mass is 0 kg, .* massless=1e-3"):
-        mjcf.compile(rig)
-    model = mjcf.compile(rig, massless=1e-3)
+        rig_model.compile(rig)
+    model = rig_model.compile(rig, massless=1e-3)
     pulley, load = model.body("pulley").id, model.body("load").id
     assert model.body_mass[pulley] == 1e-3
     assert model.body_gravcomp[[pulley, load]].tolist() == [1.0, 0.0]
     assert not model.dof_damping.any()
     for value in (0, -1.0, np.nan, 10.1, "1", True):
         with pytest.raises(ModelError, match=rf"massless is {value!r} kg, .* > 0 and at most 10,"):
-            mjcf.compile(rig, massless=value)
-    heavy = mjcf.compile(build(), massless=1e-3)
-    np.testing.assert_array_equal(heavy.body_mass, mjcf.compile(build()).body_mass)
+            rig_model.compile(rig, massless=value)
+    heavy = rig_model.compile(build(), massless=1e-3)
+    np.testing.assert_array_equal(heavy.body_mass, rig_model.compile(build()).body_mass)

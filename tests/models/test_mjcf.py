@@ -10,10 +10,8 @@ import pytest
 
 from flatrig import models
 from flatrig.models import ModelError
-from flatrig.models.mjcf import armature
-from flatrig.models.mjcf import rig_model as mjcf
-from flatrig.models.mjcf import rig_state as state
-from flatrig.models.mjcf import simulate as run
+from flatrig.models.mjcf import armature, rig_model, rig_state, simulate
+from flatrig.models.rig import lengths
 from flatrig.models.rig.chain import joint_names
 
 RIGS = [*models.CATALOGUE, "cantilever", "gantry", "planar navy", "navy", "four falls"]
@@ -61,13 +59,13 @@ def rotary_dae(phi, s, rope, p, dphi, ds, dl, dp, u):
 @pytest.mark.parametrize("visuals", [True, False])
 def test_overhead_accelerations(visuals, random_states):
     rig = models.overhead_crane()
-    model = mjcf.compile(rig, visuals=visuals)
+    model = rig_model.compile(rig, visuals=visuals)
     qpos, qvel, ctrl = random_states(rig)
-    qacc = run.accelerations(model, qpos, qvel, ctrl)
-    values, rates = state.coordinates(rig, model, state.State(qpos, qvel))
-    motion = state.points(rig, qpos, qvel, qacc)
-    rope = state.spans(rig, motion)["hoist"].sum(-1)
-    tension = state.tensions(rig, qpos, qvel, qacc, ctrl)
+    qacc = simulate.accelerations(model, qpos, qvel, ctrl)
+    values, rates = rig_state.coordinates(rig, model, rig_state.State(qpos, qvel))
+    motion = rig_state.points(rig, qpos, qvel, qacc)
+    rope = lengths.spans(rig, motion)["hoist"].sum(-1)
+    tension = rig_state.tensions(rig, qpos, qvel, qacc, ctrl)
     for k in range(len(qpos)):
         names = ("trolley.position", "hoist.length", "load.x", "load.z")
         arguments = [values[name][k] for name in names] + [rates[name][k] for name in names]
@@ -79,13 +77,13 @@ def test_overhead_accelerations(visuals, random_states):
 
 def test_rotary_accelerations(random_states):
     rig = models.rotary_crane()
-    model = mjcf.compile(rig, visuals=False)
+    model = rig_model.compile(rig, visuals=False)
     qpos, qvel, ctrl = random_states(rig)
-    qacc = run.accelerations(model, qpos, qvel, ctrl)
-    values, rates = state.coordinates(rig, model, state.State(qpos, qvel))
-    motion = state.points(rig, qpos, qvel, qacc)
-    rope = state.spans(rig, motion)["hoist"].sum(-1)
-    tension = state.tensions(rig, qpos, qvel, qacc, ctrl)
+    qacc = simulate.accelerations(model, qpos, qvel, ctrl)
+    values, rates = rig_state.coordinates(rig, model, rig_state.State(qpos, qvel))
+    motion = rig_state.points(rig, qpos, qvel, qacc)
+    rope = lengths.spans(rig, motion)["hoist"].sum(-1)
+    tension = rig_state.tensions(rig, qpos, qvel, qacc, ctrl)
     for k in range(len(qpos)):
         names = ("bridge.angle", "trolley.position", "hoist.length")
         arguments = [*(values[name][k] for name in names), motion["load"][0, k]]
@@ -97,7 +95,7 @@ def test_rotary_accelerations(random_states):
 
 
 def test_everything_is_named(rig):
-    model = mjcf.compile(rig)
+    model = rig_model.compile(rig)
     kinds = {
         "BODY": model.nbody, "JOINT": model.njnt, "GEOM": model.ngeom, "SITE": model.nsite,
         "CAMERA": model.ncam, "LIGHT": model.nlight, "TENDON": model.ntendon,
@@ -121,13 +119,16 @@ def test_everything_is_named(rig):
 
 
 def test_scenes_carry_only_what_they_need(rig):
-    bare = mjcf.compile(rig, visuals=False)
+    bare = rig_model.compile(rig, visuals=False)
     for count in (bare.ngeom, bare.ncam, bare.nlight, bare.nmat, bare.ntex, bare.nsensor):
         assert count == 0
     both = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     assert bare.opt.disableflags == both
-    assert mjcf.compile(rig, friction=True).opt.disableflags == mujoco.mjtDisableBit.mjDSBL_CONTACT
-    dressed = mjcf.compile(rig)
+    assert (
+        rig_model.compile(rig, friction=True).opt.disableflags
+        == mujoco.mjtDisableBit.mjDSBL_CONTACT
+    )
+    dressed = rig_model.compile(rig)
     assert not dressed.geom_contype.any()
     assert not dressed.geom_conaffinity.any()
     np.testing.assert_array_equal(dressed.body_mass, bare.body_mass)
@@ -136,13 +137,13 @@ def test_scenes_carry_only_what_they_need(rig):
 
 def test_friction_can_be_set_at_run_time():
     rig = models.overhead_crane()
-    model = mjcf.compile(rig, visuals=False, friction=True)
+    model = rig_model.compile(rig, visuals=False, friction=True)
     model.tendon_frictionloss[model.tendon("hoist").id] = 30.0
     home = model.key("home")
     push = home.ctrl + np.array([0.0, 2.9])  # 29 N along the rope
-    held = run.run(model, home.qpos, np.zeros(model.nv), np.tile(push, (500, 1)))
+    held = simulate.run(model, home.qpos, np.zeros(model.nv), np.tile(push, (500, 1)))
     assert abs(held.qvel[-1]).max() < 1e-3
-    let_go = run.run(
+    let_go = simulate.run(
         model, home.qpos, np.zeros(model.nv), np.tile(push + np.array([0.0, 1.1]), (500, 1))
     )
     assert let_go.qvel[-1, 2] < -0.01
@@ -151,14 +152,14 @@ def test_friction_can_be_set_at_run_time():
 @pytest.mark.parametrize("name", models.CATALOGUE)
 def test_home_is_at_rest_under_its_inputs(name):
     rig = models.make(name)
-    model = mjcf.compile(rig, visuals=False)
+    model = rig_model.compile(rig, visuals=False)
     home = model.key("home")
     np.testing.assert_allclose(home.qpos, model.qpos0, atol=1e-15)
-    qacc = run.accelerations(model, home.qpos, np.zeros(model.nv), home.ctrl)
+    qacc = simulate.accelerations(model, home.qpos, np.zeros(model.nv), home.ctrl)
     assert abs(qacc).max() < 1e-9  # the inputs are rounded to 1e-9
-    tensions = state.tensions(rig, home.qpos, np.zeros(model.nv), qacc[0], home.ctrl)
+    tensions = rig_state.tensions(rig, home.qpos, np.zeros(model.nv), qacc[0], home.ctrl)
     assert (tensions > 0).all()
-    places = {name: point[0] for name, point in state.points(rig, home.qpos, home.qvel).items()}
+    places = {name: point[0] for name, point in rig_state.points(rig, home.qpos, home.qvel).items()}
     for mass in (*rig.loads, *rig.platforms):
         np.testing.assert_allclose(places[mass.name], rig.home[mass.name], rtol=0, atol=1e-12)
         pull = np.array([0.0, 0.0, -mass.mass * rig.gravity])
@@ -174,7 +175,7 @@ def test_home_is_at_rest_under_its_inputs(name):
 
 def wrong_spec() -> mujoco.MjSpec:
     """The rotary crane as one would write it first: the load on a tree of its own."""
-    scene = mjcf.spec(models.rotary_crane(), visuals=False)
+    scene = rig_model.spec(models.rotary_crane(), visuals=False)
     scene.delete(scene.body("load"))
     scene.delete(scene.key("home"))
     load = scene.worldbody.add_body(name="load", pos=[5, 0, -5])
@@ -198,22 +199,22 @@ def test_checks_refuse_a_load_on_its_own_tree(check):
 
 
 def test_checks_pass_on_sound_models(rig):
-    mjcf.check(mjcf.compile(rig))
+    rig_model.check(rig_model.compile(rig))
 
 
 def test_wrong_options():
     rig = models.overhead_crane()
     with pytest.raises(ModelError, match="no integrator 'RK5'; did you mean RK4"):
-        mjcf.compile(rig, integrator="RK5")
+        rig_model.compile(rig, integrator="RK5")
     with pytest.raises(ModelError, match="no integrator 3; known are EULER, RK4"):
-        mjcf.compile(rig, integrator=3)
+        rig_model.compile(rig, integrator=3)
     for timestep in (-1.0, 0, math.inf, math.nan, 1e-300, 1e300, None, "1", True):
         with pytest.raises(
             ModelError, match=rf"timestep is {re.escape(repr(timestep))} s, it must be a number"
         ):
-            mjcf.compile(rig, timestep=timestep)
-    other = mjcf.compile(models.rotary_crane())
+            rig_model.compile(rig, timestep=timestep)
+    other = rig_model.compile(models.rotary_crane())
     with pytest.raises(ModelError, match="has 5 joints, rig overhead_crane has 3"):
-        state.coordinates(rig, other, state.State(other.qpos0, np.zeros(5)))
+        rig_state.coordinates(rig, other, rig_state.State(other.qpos0, np.zeros(5)))
     with pytest.raises(ModelError, match=r"coordinate load\.z is missing"):
-        state.joint_state(rig, mjcf.compile(rig), {"trolley.position": 0.0, "load.x": 0.0})
+        rig_state.joint_state(rig, rig_model.compile(rig), {"trolley.position": 0.0, "load.x": 0.0})

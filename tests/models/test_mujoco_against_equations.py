@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 
 from flatrig import models
 from flatrig.feedforward import equations_of, from_move, redundant
-from flatrig.models.mjcf import rig_model as mjcf
+from flatrig.models.mjcf import rig_model
 from flatrig.training.bench import accuracy
 from flatrig.training.console import console
 from flatrig.training.simulate.open_loop import open_loop
@@ -60,9 +60,9 @@ def mujoco_accelerations(rig, model, data):
 
 @pytest.mark.parametrize("rig", RIGS, indirect=True)
 def test_accelerations_are_equal(rig, random_states):
-    equations, model = equations_of(rig), mjcf.compile(rig)
+    equations, model = equations_of(rig), rig_model.compile(rig)
     qpos, qvel, inputs = random_states(rig)
-    values, rates = mjcf.coordinates(rig, model, mjcf.State(qpos, qvel))
+    values, rates = rig_model.coordinates(rig, model, rig_model.State(qpos, qvel))
     expected, _ = equations.accelerations(*redundant(equations, values, rates), inputs)
     data = mujoco.MjData(model)
     for i in range(len(qpos)):

@@ -8,10 +8,9 @@ from numpy.testing import assert_allclose
 from flatrig import models
 from flatrig.feedforward import from_move
 from flatrig.models import ModelError, Ropes
-from flatrig.models.mjcf import rig_model as mjcf
-from flatrig.models.mjcf import rig_state as state
-from flatrig.models.mjcf import ropes, spools
-from flatrig.models.mjcf import simulate as run
+from flatrig.models.mjcf import rig_model, rig_state, ropes, simulate, spools
+from flatrig.models.rig import lengths
+from flatrig.models.rig.chain import joint_names
 from flatrig.training.simulate.open_loop import open_loop
 
 RIGS = [*models.CATALOGUE, "four falls"]
@@ -29,35 +28,37 @@ def rig(request, other_rigs):
 
 
 def bare(rig, made, **options):
-    return mjcf.compile(rig, ropes=made, visuals=False, **options)
+    return rig_model.compile(rig, ropes=made, visuals=False, **options)
 
 
 def tensions(rig, model, qpos, qvel, ctrl):
-    return state.tensions(rig, qpos, qvel, run.accelerations(model, qpos, qvel, ctrl), ctrl)
+    return rig_state.tensions(
+        rig, qpos, qvel, simulate.accelerations(model, qpos, qvel, ctrl), ctrl
+    )
 
 
 def hanging(model, rig, length, slack=0.0, speed=0.0):
     """The overhead crane's load straight below its trolley, with some loose rope."""
     at = {"trolley.position": 0.0, "load.x": 0.0, "load.z": -length}
-    start = mjcf.joint_state(rig, model, at)
+    start = rig_model.joint_state(rig, model, at)
     qpos, qvel = start.qpos.copy(), start.qvel.copy()
     qpos[-1] += slack
-    qvel[list(state.joint_names(rig)).index("load.z")] = -speed
+    qvel[list(joint_names(rig)).index("load.z")] = -speed
     return qpos, qvel
 
 
 def test_rigid_is_the_default(rig):
-    one, other = mjcf.spec(rig).to_xml(), mjcf.spec(rig, ropes=Ropes()).to_xml()
+    one, other = rig_model.spec(rig).to_xml(), rig_model.spec(rig, ropes=Ropes()).to_xml()
     assert one == other
     assert "spool" not in one
 
 
 @pytest.mark.parametrize("made", KINDS.values(), ids=KINDS)
 def test_home_is_at_rest_with_the_tensions_of_rigid_ropes(rig, made):
-    rigid, model = mjcf.compile(rig, visuals=False), bare(rig, made)
+    rigid, model = rig_model.compile(rig, visuals=False), bare(rig, made)
     home, ctrl = model.key_qpos[0], model.key_ctrl[0]
     assert_allclose(ctrl, rigid.key_ctrl[0], atol=1e-6)
-    acceleration = run.accelerations(model, home, 0 * home, ctrl)
+    acceleration = simulate.accelerations(model, home, 0 * home, ctrl)
     assert_allclose(acceleration, 0.0, atol=1e-6)
     found = tensions(rig, model, home[None], 0 * home[None], ctrl[None])
     start = rigid.key_qpos[0][None]
@@ -66,9 +67,9 @@ def test_home_is_at_rest_with_the_tensions_of_rigid_ropes(rig, made):
 
 @pytest.mark.parametrize("visuals", [True, False])
 def test_the_winch_and_the_spring_tell_the_same_tension(rig, visuals, random_states):
-    model = mjcf.compile(rig, ropes=KINDS["elastic"], visuals=visuals)
+    model = rig_model.compile(rig, ropes=KINDS["elastic"], visuals=visuals)
     qpos, qvel, ctrl = random_states(rig)
-    motion = state.rope_lengths(rig, state.points(rig, qpos, qvel))
+    motion = lengths.rope_lengths(rig, rig_state.points(rig, qpos, qvel))
     way = np.stack([motion[rope.name] for rope in rig.ropes], axis=-1)
     generator = np.random.default_rng(1)
     stretch, rate = generator.uniform(-0.01, 0.01, (2, *way[0].shape))
@@ -94,7 +95,7 @@ def test_stretch_and_frequency_are_those_of_a_spring_between_two_masses():
     damping = np.ravel(model.tendon_damping)[0]
     assert_allclose(damping, 2 * ratio * np.sqrt(k * reduced), rtol=1e-9)
     home = model.key_qpos[0]
-    way = state.paid_out(rig, home[:-1], 0 * home[:-1])["hoist"][0]
+    way = rig_state.paid_out(rig, home[:-1], 0 * home[:-1])["hoist"][0]
     assert_allclose(way - home[-1], LOAD * 9.81 / k, rtol=1e-7)
 
 
@@ -144,8 +145,8 @@ def test_fall_and_catch():
     start = hanging(model, rig, 4.0, slack)
     fall = np.sqrt(2 * slack / g)
     before, after = round(0.9 * fall / 1e-3), round(1.2 / 1e-3)
-    found = run.run(model, *start, np.zeros((after, 2)))
-    ways = state.rope_lengths(rig, state.points(rig, found.qpos, found.qvel))["hoist"]
+    found = simulate.run(model, *start, np.zeros((after, 2)))
+    ways = lengths.rope_lengths(rig, rig_state.points(rig, found.qpos, found.qvel))["hoist"]
     falling = slice(0, before + 1)
     time = 1e-3 * np.arange(before + 1)
     assert_allclose(ways[0][falling], 4.0 + g * time**2 / 2, atol=1e-10)
@@ -164,8 +165,8 @@ def test_fall_and_catch():
 def test_a_slack_spring_throws_the_load_back_without_loss():
     rig = models.overhead_crane()
     model = bare(rig, Ropes("slack", stiffness=1e5), timestep=1e-4)
-    found = run.run(model, *hanging(model, rig, 4.0, 0.1), np.zeros((8000, 2)))
-    way, rate = state.rope_lengths(rig, state.points(rig, found.qpos, found.qvel))["hoist"]
+    found = simulate.run(model, *hanging(model, rig, 4.0, 0.1), np.zeros((8000, 2)))
+    way, rate = lengths.rope_lengths(rig, rig_state.points(rig, found.qpos, found.qvel))["hoist"]
     stretch = np.maximum(way - found.qpos[:, -1], 0.0)
     winch = WINCH * found.qvel[:, -1] ** 2
     energy = 0.5 * (LOAD * rate**2 + winch + 1e5 * stretch**2) - LOAD * 9.81 * way
@@ -178,22 +179,22 @@ def test_a_slack_spring_throws_the_load_back_without_loss():
 def test_joint_state_and_back(name):
     rig = models.make(name)
     model = bare(rig, KINDS["elastic"])
-    rigid = mjcf.compile(rig, visuals=False)
-    home = mjcf.State(rigid.key_qpos[0], np.full(rigid.nv, 0.1))
-    values, rates = mjcf.coordinates(rig, rigid, home)
+    rigid = rig_model.compile(rig, visuals=False)
+    home = rig_model.State(rigid.key_qpos[0], np.full(rigid.nv, 0.1))
+    values, rates = rig_model.coordinates(rig, rigid, home)
     pulls = np.linspace(10.0, 500.0, len(rig.ropes))
-    found = mjcf.joint_state(rig, model, values, rates, tensions=pulls)
-    for wanted, got in zip((values, rates), mjcf.coordinates(rig, model, found), strict=True):
+    found = rig_model.joint_state(rig, model, values, rates, tensions=pulls)
+    for wanted, got in zip((values, rates), rig_model.coordinates(rig, model, found), strict=True):
         for coordinate, value in wanted.items():
             assert_allclose(got[coordinate], value, atol=1e-12)
-    paid = state.paid_out(rig, *found)
+    paid = rig_state.paid_out(rig, *found)
     for rope, pull in zip(rig.ropes, pulls, strict=True):
         assert_allclose(values[rope.coordinate] - paid[rope.name][0], pull / 1e5, atol=1e-12)
 
 
 def test_sensors_read_the_winch():
     rig = models.overhead_crane()
-    model = mjcf.compile(rig, ropes=KINDS["elastic"])
+    model = rig_model.compile(rig, ropes=KINDS["elastic"])
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, 0)
     mujoco.mj_forward(model, data)
@@ -216,7 +217,7 @@ def test_a_spool_that_has_run_out_is_refused():
     qpos = model.key_qpos[0].copy()
     qpos[-1] = ropes.reach(rig, rig.ropes[0])
     with pytest.raises(ModelError, match=r"rope hoist: 400 m are paid out, its spool holds 400 m"):
-        state.tensions(rig, qpos, 0 * qpos, 0 * qpos, np.zeros(2))
+        rig_state.tensions(rig, qpos, 0 * qpos, 0 * qpos, np.zeros(2))
 
 
 @pytest.mark.parametrize(
@@ -234,9 +235,9 @@ def test_a_spool_that_has_run_out_is_refused():
 )
 def test_wrong_options(make, message):
     with pytest.raises(ModelError, match=message):
-        mjcf.compile(models.roped_overhead_crane(), ropes=make())
+        rig_model.compile(models.roped_overhead_crane(), ropes=make())
 
 
 def test_a_rope_without_its_number_is_named():
     with pytest.raises(ModelError, match="ea is given by rope, but not for pull"):
-        mjcf.compile(models.roped_overhead_crane(), ropes=Ropes("elastic", ea={"hoist": 1e6}))
+        rig_model.compile(models.roped_overhead_crane(), ropes=Ropes("elastic", ea={"hoist": 1e6}))

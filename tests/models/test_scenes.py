@@ -10,10 +10,7 @@ import pytest
 from flatrig import models
 from flatrig.models import Anchor, Drive, ModelError, OptionError, Platform, Rig, Rope
 from flatrig.models.looks import booms, render
-from flatrig.models.mjcf import export
-from flatrig.models.mjcf import rig_model as mjcf
-from flatrig.models.mjcf import rig_state as state
-from flatrig.models.mjcf import simulate as run
+from flatrig.models.mjcf import export, rig_model, rig_state, simulate
 from flatrig.models.rig.chain import links
 
 CATALOGUE = tuple(models.CATALOGUE)
@@ -33,10 +30,13 @@ def test_exported_scenes_are_current_and_stand_alone(name, tmp_path, random_stat
     assert stored.read_text() == export.xml(rig), "run `flatrig scenes`"
     (tmp_path / "alone.xml").write_text(stored.read_text())
     alone = mujoco.MjModel.from_xml_path(str(tmp_path / "alone.xml"))
-    mjcf.check(alone)
-    model = mjcf.compile(rig)
+    rig_model.check(alone)
+    model = rig_model.compile(rig)
     state_of = random_states(rig)
-    expected, found = run.accelerations(model, *state_of), run.accelerations(alone, *state_of)
+    expected, found = (
+        simulate.accelerations(model, *state_of),
+        simulate.accelerations(alone, *state_of),
+    )
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-15 * abs(expected).max())
     sections = ["compiler", "option", "default", "asset", "worldbody", "tendon", "actuator"]
     sections += ["sensor", "keyframe"]
@@ -65,11 +65,11 @@ def test_export_writes_to_a_folder(tmp_path):
 
 def test_run_returns_the_start_and_every_step():
     rig = models.rotary_crane()
-    model = mjcf.compile(rig, visuals=False)
+    model = rig_model.compile(rig, visuals=False)
     home, data = model.key("home"), mujoco.MjData(model)
     controls = home.ctrl + np.random.default_rng(0).normal(size=(50, model.nu))
     speed = np.linspace(-0.1, 0.1, model.nv)
-    found = run.run(model, home.qpos, speed, controls)
+    found = simulate.run(model, home.qpos, speed, controls)
     assert found.qpos.shape == (51, model.nq)
     data.qpos[:], data.qvel[:] = home.qpos, speed
     for k, row in enumerate(controls):
@@ -80,36 +80,36 @@ def test_run_returns_the_start_and_every_step():
 
 
 def test_run_refuses_what_cannot_be():
-    model = mjcf.compile(models.overhead_crane(), visuals=False)
+    model = rig_model.compile(models.overhead_crane(), visuals=False)
     start = model.key("home").qpos, np.zeros(model.nv)
     with pytest.raises(ModelError, match=r"shape \(3, 1\), it must be \(N, 2\)"):
-        run.run(model, *start, np.zeros((3, 1)))
+        simulate.run(model, *start, np.zeros((3, 1)))
     with pytest.raises(ModelError, match="not finite at step 1"):
-        run.run(model, *start, np.array([[0, 0], [np.nan, 0]]))
+        simulate.run(model, *start, np.array([[0, 0], [np.nan, 0]]))
     with pytest.raises(ModelError, match="breaks down"):
-        run.run(model, *start, np.full((50, 2), 1e13))
+        simulate.run(model, *start, np.full((50, 2), 1e13))
     with pytest.raises(ModelError, match="controls must be an array of numbers"):
-        run.run(model, *start, "ab")
+        simulate.run(model, *start, "ab")
     still = np.zeros((3, 2))
     with pytest.raises(ModelError, match=r"qpos has shape \(2,\), it must be \(3,\)"):
-        run.run(model, start[0][:2], start[1], still)
+        simulate.run(model, start[0][:2], start[1], still)
     with pytest.raises(ModelError, match=r"qvel has shape \(1, 3\), it must be \(3,\)"):
-        run.run(model, start[0], start[1][None], still)
+        simulate.run(model, start[0], start[1][None], still)
     with pytest.raises(ModelError, match=r"qpos is \[nan, 0.0, 0.0\], it must be finite"):
-        run.run(model, [np.nan, 0, 0], start[1], still)
+        simulate.run(model, [np.nan, 0, 0], start[1], still)
 
 
 def test_accelerations_are_refused_where_mujoco_gives_up():
     model = models.compile(models.overhead_crane(), visuals=False)
     home, still = np.array(model.key_qpos[0]), np.zeros(model.nv)
     with pytest.raises(ModelError, match="state 1 or its inputs are beyond what MuJoCo takes"):
-        run.accelerations(model, [home] * 2, [still] * 2, [[1.0, 0.0], [1.1e10, 0.0]])
+        simulate.accelerations(model, [home] * 2, [still] * 2, [[1.0, 0.0], [1.1e10, 0.0]])
 
 
 def test_run_without_steps_is_the_start():
-    model = mjcf.compile(models.overhead_crane(), visuals=False)
+    model = rig_model.compile(models.overhead_crane(), visuals=False)
     start = np.array([1.0, 2.0, 3.0])
-    found = run.run(model, start, 2 * start, np.zeros((0, model.nu)))
+    found = simulate.run(model, start, 2 * start, np.zeros((0, model.nu)))
     np.testing.assert_array_equal(found.qpos, [start])
     np.testing.assert_array_equal(found.qvel, [2 * start])
     found.qpos[:] = 0
@@ -129,9 +129,9 @@ def corners_in_picture(model, camera, spots):
 
 @pytest.mark.parametrize("camera", ["overview", "side"])
 def test_cameras_see_the_whole_workspace(rig, camera):
-    model = mjcf.compile(rig)
+    model = rig_model.compile(rig)
     qpos = np.array([value for link in links(rig) for value in link.home])
-    spots = [point[0] for point in state.points(rig, qpos, np.zeros_like(qpos)).values()]
+    spots = [point[0] for point in rig_state.points(rig, qpos, np.zeros_like(qpos)).values()]
     if rig.name in CATALOGUE:
         move = models.default_move(rig.name)
         part = (*rig.platforms, *rig.loads)[-1].name
@@ -185,7 +185,7 @@ def cable_robot():
 
 
 def test_winches_alone_stand_on_masts_and_a_platform_shows_its_corners():
-    model = mjcf.compile(cable_robot())
+    model = rig_model.compile(cable_robot())
     names = {model.geom(k).name for k in range(model.ngeom)}
     assert {"winch0.mast", "winch1.mast", "winch2.mast"} <= names
     assert {"plate.tube1.2", "plate.tube1.3", "plate.tube2.3", "corner0.eye"} <= names
@@ -204,8 +204,8 @@ def drawing():
 
 def test_pictures(drawing, tmp_path):
     rig = models.rotary_crane()
-    model = mjcf.compile(rig)
-    turned = state.joint_state(
+    model = rig_model.compile(rig)
+    turned = rig_state.joint_state(
         rig,
         model,
         {
@@ -236,7 +236,7 @@ def test_pictures_refuse_what_cannot_be(tmp_path):
     with pytest.raises(OptionError, match="no picture"):
         render.save_animation(tmp_path / "crane.gif", [])
     assert not list(tmp_path.iterdir())
-    model = mjcf.compile(models.overhead_crane())
+    model = rig_model.compile(models.overhead_crane())
     with pytest.raises(OptionError, match=r"qpos has shape \(2, 2\), it must be \(2, 3\)"):
         next(render.frames(model, np.zeros((2, 2)), [0.0, 1.0]))
     for times in ([], 1.0):

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from flatrig import models
-from flatrig.models.mjcf import rig_model as mjcf
-from flatrig.models.mjcf import simulate as run
+from flatrig.models.mjcf import rig_model, simulate
 from flatrig.training import cli
 from flatrig.training.bench import accuracy, lean
 
@@ -25,7 +24,7 @@ def rig(request):
 
 def compiled(rig, ropes, **options):
     massless = 1.0 if any(load.mass == 0 for load in rig.loads) else None
-    return mjcf.compile(rig, ropes=ropes, massless=massless, **options)
+    return rig_model.compile(rig, ropes=ropes, massless=massless, **options)
 
 
 def shaken(model, flags):
@@ -35,7 +34,7 @@ def shaken(model, flags):
     generator = np.random.default_rng(3)
     ctrl = model.key_ctrl[0] + generator.normal(scale=3.0, size=(100, model.nu))
     speed = generator.normal(scale=0.1, size=model.nv)
-    return run.run(changed, model.key_qpos[0], speed, ctrl)
+    return simulate.run(changed, model.key_qpos[0], speed, ctrl)
 
 
 def same(one, other):
@@ -70,7 +69,7 @@ def test_looks_and_sensors_change_nothing(rig, ropes):
 
 
 def test_idle_parts_are_named():
-    scene = mjcf.spec(models.overhead_crane(), visuals=False)
+    scene = rig_model.spec(models.overhead_crane(), visuals=False)
     scene.add_tendon(name="loose").wrap_joint("load.x", 1.0)
     scene.worldbody.add_geom(name="ball", size=[1, 0, 0])
     scene.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
@@ -81,7 +80,7 @@ def test_idle_parts_are_named():
 
 def test_scratch_memory_is_ample():
     """With all constraints on, the largest scene takes less than a tenth of it."""
-    model = mjcf.compile(models.cable_manipulator(), visuals=False, friction=True)
+    model = rig_model.compile(models.cable_manipulator(), visuals=False, friction=True)
     model.tendon_frictionloss[:] = model.dof_frictionloss[:] = 1.0
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, 0)

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from flatrig import models
 from flatrig.models import OptionError
-from flatrig.models.mjcf import rig_model as mjcf
+from flatrig.models.mjcf import rig_model
 from flatrig.training import cli
 from flatrig.training.bench import accuracy
 from flatrig.training.regress import baseline
@@ -29,8 +29,8 @@ def coarse(monkeypatch):
 def test_the_free_rotary_crane_has_the_energy_and_momentum_of_the_source():
     """Y 2.87 to 2.91 with table 2.1, the load turning with the bridge."""
     free = drift.free_motion("rotary_crane")
-    model = mjcf.compile(free.rig, timestep=1e-2, visuals=False)
-    start = mjcf.joint_state(free.rig, model, free.coordinates, free.rates)
+    model = rig_model.compile(free.rig, timestep=1e-2, visuals=False)
+    start = rig_model.joint_state(free.rig, model, free.coordinates, free.rates)
     energy, momentum = drift._conserved(model, *start, drift.cyclic(model))
     inertia = 16.67 + 2.08 + 0.26 + (50 + 3 + 10) * 1.5**2
     assert_allclose(momentum, [inertia], rtol=1e-12)
@@ -51,7 +51,7 @@ def test_the_free_rotary_crane_has_the_energy_and_momentum_of_the_source():
 )
 def test_what_has_a_momentum_that_stays(name, joints):
     rig = models.make(name)
-    model = mjcf.compile(rig, timestep=1e-3, visuals=False)
+    model = rig_model.compile(rig, timestep=1e-3, visuals=False)
     assert [model.joint(int(i)).name for i in drift.cyclic(model)] == joints
     found = drift.drift(model, drift.Free(rig, {}, {}))
     assert found.energy < 1e-9
@@ -64,7 +64,7 @@ def test_the_shipped_baseline_holds_the_whole_catalogue(monkeypatch):
     missing = set(models.CATALOGUE) - {key[0] for key in stored}
     assert not missing, f"flatrig regress {' '.join(sorted(missing))} --update stores their numbers"
     assert {key[0] for key in stored} == set(models.CATALOGUE)
-    assert {key[1] for key in stored} == set(mjcf.INTEGRATORS)
+    assert {key[1] for key in stored} == set(rig_model.INTEGRATORS)
     assert {key[2] for key in stored} == set(regress.STEPS)
     assert version.count(".") == 2
     assert stored[KEY] < baseline.CEILINGS[KEY]
@@ -74,7 +74,7 @@ def test_mujoco_computes_what_is_stored(tmp_path):
     names = ["overhead_crane", "rotary_crane"]
     rows = regress.measure(names, tmp_path)
     found = {key: value for row in rows for key, value in row.numbers().items()}
-    assert len(found) == 2 * 4 * len(mjcf.INTEGRATORS)
+    assert len(found) == 2 * 4 * len(rig_model.INTEGRATORS)
     stored = {key: value for key, value in baseline.read()[0].items() if key[2] == 1e-2}
     assert baseline.departures(found, stored, names) == []
 
@@ -146,7 +146,7 @@ def test_exit_status_and_what_is_said(tmp_path, capsys):
     assert "overhead_crane, IMPLICIT, 10 ms: arrival" in said
     assert "1 of 20 numbers left their band" in said
     header, *rows = (out / "regress.csv").read_text().splitlines()
-    assert len(rows) == len(mjcf.INTEGRATORS)
+    assert len(rows) == len(rig_model.INTEGRATORS)
     assert all(line.count(",") == header.count(",") for line in rows)
     assert {path.name for path in out.glob("*.png")} == {"error.png", "drift.png"}
 

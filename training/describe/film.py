@@ -27,13 +27,13 @@ def main(command: options.Render) -> None:
     if not path.lower().endswith((".gif", ".mp4", ".png")):
         raise OptionError(f"--output is {path}, its ending must be .gif, .mp4 or .png")
     from ...models.looks import render
-    from ...models.mjcf import rig_model as mjcf
+    from ...models.mjcf import rig_model
     from ..simulate.open_loop import open_loop, stand_in
 
     run = open_loop(rig, from_move(move), hold=REST)
     still = path.lower().endswith(".png")
     fps = (STILLS - 1) / move.duration if still else command.fps
-    model = mjcf.compile(rig, massless=stand_in(rig))
+    model = rig_model.compile(rig, massless=stand_in(rig))
     images = render.frames(
         model, run.qpos, run.times, command.camera, command.width, command.height, fps
     )

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from ...feedforward import Motion, Regulator
 from ...models import Rig
 from ...models.errors import ModelError
-from ...models.mjcf import rig_model as mjcf
+from ...models.mjcf import rig_model
 from ...models.types import Array
 
 THREADS = 2
@@ -92,7 +92,7 @@ def closed_loop(
     ModelError
         The simulation breaks down, or MuJoCo cannot hold the rig.
     """
-    model = mjcf.compile(
+    model = rig_model.compile(
         regulator.rig,
         timestep=timestep,
         visuals=False,
@@ -102,7 +102,7 @@ def closed_loop(
     _fit_springs(model, regulator)
     model.tendon_solimp_fri[:] = STICKING
     model.tendon_solref_fri[:, 0] = 4.0 * timestep
-    batch = _batch(model, mjcf.joint_state(regulator.rig, model, values, rates))
+    batch = _batch(model, rig_model.joint_state(regulator.rig, model, values, rates))
     live = [batch.bind(name) for name in ("ctrl", "qpos", "qvel", "qacc", "actuator_force")]
     ctrl, *recorded = live
     commands = command(regulator, regulator.rest if reference is None else reference)
@@ -140,7 +140,7 @@ def _fit_springs(model: mujoco.MjModel, regulator: Regulator) -> None:
     model.actuator_biasprm[:, 2] = -(regulator.radii**2) * regulator.damping
 
 
-def _batch(model: mujoco.MjModel, start: mjcf.State) -> Batch:
+def _batch(model: mujoco.MjModel, start: rig_model.State) -> Batch:
     """Simulations in the given states."""
     qpos, qvel = (np.atleast_2d(part) for part in start)
     batch = Batch(model, len(qpos), min(THREADS, len(qpos)), persistent=True)
@@ -151,7 +151,7 @@ def _batch(model: mujoco.MjModel, start: mjcf.State) -> Batch:
 
 def _course(rig: Rig, model: mujoco.MjModel, interval: float, record: list[list[Array]]) -> Course:
     qpos, qvel, qacc, inputs = (np.stack(part) for part in zip(*record, strict=True))
-    values, rates = mjcf.coordinates(rig, model, mjcf.State(qpos, qvel))
-    tensions = mjcf.tensions(rig, qpos, qvel, qacc, inputs)
+    values, rates = rig_model.coordinates(rig, model, rig_model.State(qpos, qvel))
+    tensions = rig_model.tensions(rig, qpos, qvel, qacc, inputs)
     times = np.arange(len(qpos), dtype=np.float64) * interval
     return Course(rig, times, values, rates, tensions, inputs)

@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 
 from ...models import Rig, make
-from ...models.mjcf import rig_model as mjcf
+from ...models.mjcf import rig_model
 from ...models.mjcf.simulate import run
 from ...models.types import Array
 
@@ -70,7 +70,7 @@ def drift(model: mujoco.MjModel, free: Free) -> Drift:
     """
     qpos, qvel = model.key_qpos[0], np.full(model.nv, PUSH)
     if free.coordinates:
-        qpos, qvel = mjcf.joint_state(free.rig, model, free.coordinates, free.rates)
+        qpos, qvel = rig_model.joint_state(free.rig, model, free.coordinates, free.rates)
     steps = round(DURATION / model.opt.timestep)
     state = run(model, qpos, qvel, np.zeros((steps, model.nu)))
     look = np.unique(np.linspace(0, steps, INSTANTS + 1).astype(int))

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...feedforward import Motion, Reference, solve
 from ...models import Rig, Ropes
-from ...models.mjcf import rig_model as mjcf
+from ...models.mjcf import rig_model
 from ...models.mjcf.rig_state import points
 from ...models.mjcf.simulate import accelerations, run
 from ...models.types import Array
@@ -47,7 +47,7 @@ class OpenLoop:
             part = slice(begin, begin + AT_ONCE)
             state = (self.qpos[part], self.qvel[part])
             acceleration = accelerations(self.model, *state, inputs[part])
-            found.append(mjcf.tensions(self.motion.rig, *state, acceleration, inputs[part]))
+            found.append(rig_model.tensions(self.motion.rig, *state, acceleration, inputs[part]))
         return np.concatenate(found)
 
 
@@ -72,7 +72,7 @@ class Prepared:
         """
         motion = self.motion
         start = dict(zip(motion.coordinate_names, motion.positions[0], strict=True))
-        first = mjcf.joint_state(motion.rig, model, start, tensions=motion.tensions[0])
+        first = rig_model.joint_state(motion.rig, model, start, tensions=motion.tensions[0])
         begin = time.perf_counter()
         state = run(model, first.qpos, first.qvel, self.inputs)
         seconds = time.perf_counter() - begin
@@ -120,7 +120,7 @@ def open_loop(
     """
     prepared = prepare(rig, reference, timestep, hold)
     return prepared.run(
-        mjcf.compile(
+        rig_model.compile(
             rig, timestep=timestep, visuals=False, massless=massless or stand_in(rig), ropes=ropes
         )
     )
