@@ -23,6 +23,7 @@ from .. import options
 from ..policy import Policy, shipped
 from .contenders import EVALUATION_SEED, Contender, with_residual
 from .driving import drive_all, periods
+from .figure import draw
 from .metrics import SETTLED, Metrics, Record, between, measure
 from .report import INTERVALS, Column, Comparison, Run, show, write
 
@@ -136,6 +137,7 @@ def main(command: options.Compare) -> None:
         origin = command.policy or f"shipped with flatrig, {policy.card.training.get('command')}"
     comparison = compare(rig, move, scenarios, policy, origin)
     write(comparison, folder)
+    draw(comparison, folder / "figure.png")
     show(comparison, folder)
 
 

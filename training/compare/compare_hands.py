@@ -25,6 +25,7 @@ from .. import options
 from ..console import warning
 from .contenders import EVALUATION_SEED, Contender
 from .driving import drive_all, periods
+from .figure import draw
 from .report import INTERVALS, Column, Comparison, Run, show, write
 
 AWAY, TURNED = 1e-3, 0.5
@@ -80,6 +81,7 @@ def main(command: options.Compare) -> None:
     make_folder(folder)
     comparison = compare(hand, move, scenarios)
     write(comparison, folder)
+    draw(comparison, folder / "figure.png")
     show(comparison, folder)
 
 

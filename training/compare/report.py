@@ -1,4 +1,4 @@
-"""The table, the files and the figure of a comparison, of cranes as of hands."""
+"""The table and the files of a comparison, of cranes as of hands."""
 
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -116,7 +116,7 @@ class Comparison:
 
 
 def show(comparison: Comparison, folder: Path) -> None:
-    """Print the table, what its words mean, and where the files of `write` are."""
+    """Print the table, what its words mean, and where the files are."""
     many, out = len(comparison.scenarios) > 1, console()
     columns, cells = comparison.columns, comparison.cells
     rows = table(
@@ -144,15 +144,13 @@ def show(comparison: Comparison, folder: Path) -> None:
 
 
 def write(comparison: Comparison, folder: Path) -> None:
-    """Write scenarios.csv, summary.json and figure.png.
+    """Write scenarios.csv and summary.json.
 
     Raises
     ------
     OutputError
         A file cannot be written.
     """
-    from .. import plots
-
     runs, scenarios = comparison.runs, comparison.scenarios
     settings = [item.name for item in fields(scenarios[0])]
     metrics = [item.name for item in fields(runs[0].metrics)]
@@ -176,15 +174,6 @@ def write(comparison: Comparison, folder: Path) -> None:
     if comparison.relative:
         facts[f"change of rmse against {BASE}"] = _plain(comparison.changes)
     write_text(folder / "summary.json", json.dumps(facts, indent=2) + "\n")
-    plots.comparison(
-        comparison.heading.replace("_", " "),
-        [run.name for run in runs],
-        runs[0].times,
-        comparison.arrival,
-        [run.distance for run in runs],
-        folder / "figure.png",
-        what=comparison.thing,
-    )
 
 
 def _setting(value: Any) -> Any:
