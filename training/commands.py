@@ -1,24 +1,23 @@
 """The commands of `flatrig`, each registered once, on the class of its options.
 
     @command(".bench.lean:main")
-    @dataclass(frozen=True)
     class Lean:
         "Say what every scene carries, what it costs, and what was left out."
 
-The class's name in lower case is the command's, its docstring the help, its fields the options.
-Behind the colon stands the function that takes these options; its module, relative to this package
-if its name begins with a dot, is imported only when the command runs.  A command about one crane
-or hand names a function for each, and this is the one place that tells them apart:
+The class becomes a frozen dataclass; its name in lower case is the command's, its docstring the
+help, its fields the options.  Behind the colon stands the function that takes these options; its
+module, relative to this package if its name begins with a dot, is imported only when the command
+runs.  A command about one crane or hand names a function for each, and this is the one place that
+tells them apart:
 
     @command(crane=".describe.describe_cranes:show_analysis", hand=".describe.describe_hands:...")
-    @dataclass(frozen=True)
     class Analyse(RigOptions): ...
 """
 
 import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, TypeVar, dataclass_transform
 
 from ..models.errors import OptionError
 from .look_up import is_hand
@@ -56,10 +55,12 @@ COMMANDS: dict[type, Command] = {}
 """Every command by the class of its options, in the order in which help lists them."""
 
 
+@dataclass_transform(frozen_default=True)
 def command(main: str = "", *, crane: str = "", hand: str = "") -> Callable[[type[T]], type[T]]:
-    """Register a class of options as a command; see `Command` for the parameters."""
+    """Make a class of options a frozen dataclass and a command; parameters are as of `Command`."""
 
     def register(options: type[T]) -> type[T]:
+        options = dataclass(frozen=True)(options)
         COMMANDS[options] = Command(main, crane, hand)
         return options
 

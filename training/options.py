@@ -5,7 +5,6 @@ answers at once.
 """
 
 import math
-from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from tyro.conf import Positional, arg
@@ -22,16 +21,13 @@ Output = Annotated[str, arg(aliases=("-o",), metavar="PATH")]
 
 
 @command(".describe.listing:main")
-@dataclass(frozen=True)
 class List:
     """List the rigs of the catalogue with their inputs, outputs and moves."""
 
 
 @command(
-    crane=".describe.describe_cranes:show_analysis",
-    hand=".describe.describe_hands:show_analysis",
+    crane=".describe.describe_cranes:show_analysis", hand=".describe.describe_hands:show_analysis"
 )
-@dataclass(frozen=True)
 class Analyse(RigOptions):
     """Say how often the equations must be differentiated, and whether the move is feasible."""
 
@@ -44,10 +40,8 @@ class Analyse(RigOptions):
 
 
 @command(
-    crane=".describe.describe_cranes:write_solution",
-    hand=".describe.describe_hands:write_solution",
+    crane=".describe.describe_cranes:write_solution", hand=".describe.describe_hands:write_solution"
 )
-@dataclass(frozen=True)
 class Solve(RigOptions):
     """Compute the inputs that make the load follow its path exactly, and write them as CSV."""
 
@@ -57,11 +51,7 @@ class Solve(RigOptions):
     """CSV file to write; without one only a summary is printed."""
 
 
-@command(
-    crane=".compare.compare_cranes:main",
-    hand=".compare.compare_hands:main",
-)
-@dataclass(frozen=True)
+@command(crane=".compare.compare_cranes:main", hand=".compare.compare_hands:main")
 class Compare(RigOptions):
     """Set PD, feedforward and residual side by side over many disturbed scenarios."""
 
@@ -76,7 +66,6 @@ class Compare(RigOptions):
 
 
 @command(crane=".learn.train:main")
-@dataclass(frozen=True)
 class Train(RigOptions):
     """Train a residual policy on top of feedforward + PD."""
 
@@ -108,7 +97,6 @@ class Train(RigOptions):
 
 
 @command(".bench.speed:main")
-@dataclass(frozen=True)
 class Bench:
     """Measure the solver, the environments and the accuracy in MuJoCo on this machine."""
 
@@ -132,13 +120,11 @@ class Bench:
 
 
 @command(".bench.accuracy:main")
-@dataclass(frozen=True)
 class Accuracy:
     """Say how far exact feedforward lands from its path in MuJoCo, for every crane."""
 
 
 @command(".regress.regression:main")
-@dataclass(frozen=True)
 class Regress:
     """Run every crane with every integrator of MuJoCo, and compare with the stored numbers."""
 
@@ -155,13 +141,11 @@ class Regress:
 
 
 @command(".bench.lean:main")
-@dataclass(frozen=True)
 class Lean:
     """Say what every scene carries, what it costs, and what was left out."""
 
 
 @command(".stress.suite:main")
-@dataclass(frozen=True)
 class Stress:
     """Run stiff and extreme cases, each of which must end as it is told to."""
 
@@ -180,7 +164,6 @@ class Stress:
 
 
 @command(".bench.rolling_accuracy:main")
-@dataclass(frozen=True)
 class Hands:
     """Say how well contacts of rolling hands roll and hold in MuJoCo."""
 
@@ -191,7 +174,6 @@ class Hands:
 
 
 @command(crane=".describe.film:main")
-@dataclass(frozen=True)
 class Render(RigOptions):
     """Film the move, driven by exact feedforward, without a display."""
 
@@ -208,7 +190,6 @@ class Render(RigOptions):
 
 
 @command(".describe.film:write_scenes")
-@dataclass(frozen=True)
 class Scenes:
     """Write the MuJoCo scenes of the catalogue as XML."""
 
@@ -217,7 +198,6 @@ class Scenes:
 
 
 @command(".reproduce.index:main")
-@dataclass(frozen=True)
 class Reproduce:
     """Compute figures and claims of the sources anew; without a name, list them."""
 

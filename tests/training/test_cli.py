@@ -5,7 +5,6 @@ import os
 import re
 import subprocess
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -242,7 +241,6 @@ def test_a_command_is_its_options_and_a_function(
     monkeypatch.syspath_prepend(tmp_path)
 
     @command(crane="greetings:crane", hand="greetings:hand")
-    @dataclass(frozen=True)
     class Greet(RigOptions):
         """Greet a rig."""
 
