@@ -31,7 +31,7 @@ from ..envs.crane.task import CraneTask
 from ..models.errors import OptionError
 from ..models.files import replacing, write_text
 from ..models.types import Array
-from ..models.values import as_number, is_number
+from ..models.values import bounded
 from .recall import Memory, Recall
 
 FORMAT = 1
@@ -40,6 +40,8 @@ SHIPPED = Path(__file__).with_name("policies")
 """Folder of the policies that come with the package."""
 CLIP = 10.0
 """Features are clipped to this many standard deviations."""
+DAMAGE = (OptionError, ValueError, KeyError, TypeError, AttributeError, SafetensorError)
+"""What reading a damaged policy, or a file that is none, may raise."""
 
 
 @dataclass(frozen=True)
@@ -72,22 +74,11 @@ class Card:
     """Version of the files."""
 
     def __post_init__(self) -> None:
-        ranges = (
-            ("fraction", (self.fraction,), 1.0),
-            ("shares", self.shares, 1.0),
-            ("rate", (self.rate,), np.inf),
-            ("time_constants", self.time_constants, np.inf),
-            ("smoothing", (self.smoothing,), 1.0),
-            ("every", (self.every,), np.inf),
-        )
-        for name, values, highest in ranges:
-            for value in values:
-                if not is_number(value):
-                    raise ValueError(f"{name} is {value!r}, it must be a number")
-                if not (0 < as_number(value) <= highest and as_number(value) < np.inf):
-                    raise ValueError(f"{name} is {value}, it must be in (0, {highest:g}]")
-        if self.every != int(self.every):
-            raise ValueError(f"every is {self.every}, it must be a whole number")
+        for name in ("fraction", "shares", "rate", "time_constants", "smoothing", "every"):
+            values = getattr(self, name)
+            most = 1.0 if name in ("fraction", "shares", "smoothing") else np.inf
+            for value in values if isinstance(values, tuple) else (values,):
+                bounded(name, value, above=0.0, most=most, whole=name == "every")
         if len(self.shares) != len(self.action_names):
             raise ValueError(f"{len(self.shares)} shares for {len(self.action_names)} actions")
         for name in (self.rig, self.sensors, *self.observation_names, *self.action_names):
@@ -215,7 +206,7 @@ class Policy:
         except OSError as error:
             name = error.filename or path
             raise OptionError(f"cannot read policy {name}: {error.strerror or error}") from None
-        except (ValueError, KeyError, TypeError, AttributeError, SafetensorError) as error:
+        except DAMAGE as error:
             raise OptionError(f"{path} is not a flatrig policy: {error}") from None
         return policy
 
