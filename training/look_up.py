@@ -62,13 +62,13 @@ def _parts(rig: Rig) -> list[Any]:
 def _with(rig: Rig, key: str, value: float) -> Rig:
     """The rig with one number of one part replaced, `key` = part.field."""
     part_name, _, name = key.partition(".")
-    holders = [part for part in _parts(rig) if part.name == part_name]
-    if not holders:
+    namesakes = [part for part in _parts(rig) if part.name == part_name]
+    if not namesakes:
         known = [part.name for part in _parts(rig)]
         raise OptionError(f"--set {key}: no part {part_name!r}{did_you_mean(part_name, known)}")
     numbers = {
         item.name: part
-        for part in holders
+        for part in namesakes
         for item in fields(part)
         if isinstance(getattr(part, item.name), float | int)
     }
@@ -92,11 +92,11 @@ def assignments(texts: tuple[str, ...]) -> dict[str, float]:
     """
     values: dict[str, float] = {}
     for text in texts:
-        name, equals, number = text.partition("=")
+        name, _, number = text.partition("=")
         try:
             values[name] = float(number)
         except ValueError:
-            equals = ""
-        if not equals or not name:
+            name = ""
+        if not name:
             raise OptionError(f"--set {text}: write name=number, such as load_mass=80")
     return values

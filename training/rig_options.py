@@ -6,18 +6,7 @@ from typing import Any, Literal
 
 from tyro.conf import Positional
 
-from ..models import (
-    PRINTED_HAND_MOVES,
-    Hand,
-    HandMove,
-    Move,
-    Rig,
-    default_hand_move,
-    full_name,
-    load_move,
-    make_hand,
-    printed_move,
-)
+from ..models import HAND_CATALOGUE, Hand, HandMove, Move, Rig, full_name, load_move, printed_move
 from ..models.errors import OptionError
 from .look_up import assignments, is_file, look_up
 
@@ -84,8 +73,8 @@ class RigOptions:
         values: dict[str, float | bool] = {**assignments(self.set)}
         if "spin" in values:
             values["spin"] = bool(values["spin"])
-        hand = make_hand(self.rig, **values)
-        move = _printed_move(hand, self.move) if self.move else default_hand_move(hand)
+        hand, entry = HAND_CATALOGUE.make(self.rig, **values), HAND_CATALOGUE.entry(self.rig)
+        move = _printed_move(hand.name, entry.printed, self.move) if self.move else entry.move
         return hand, replace(move, **self._changes("start", "goal", "duration", "order", "turning"))
 
     def _changes(self, *names: str) -> dict[str, Any]:
@@ -98,13 +87,14 @@ class RigOptions:
         return Path(self.rig).stem if is_file(self.rig) else full_name(self.rig)
 
 
-def _printed_move(hand: Hand, name: str) -> HandMove:
-    if name != "printed":
+def _printed_move(name: str, printed: HandMove | None, option: str) -> HandMove:
+    """The printed move of a hand, which `--move printed` asks for."""
+    if option != "printed":
         raise OptionError(
-            f"--move is {name!r}, for a hand it can only be printed; change its move with "
+            f"--move is {option!r}, for a hand it can only be printed; change its move with "
             "--start, --goal, --duration, --order and --turning"
         )
-    if hand.name not in PRINTED_HAND_MOVES:
-        known = " and ".join(PRINTED_HAND_MOVES)
-        raise OptionError(f"hand {hand.name} has no printed move that it cannot make, only {known}")
-    return PRINTED_HAND_MOVES[hand.name]
+    if printed is None:
+        known = " and ".join(HAND_CATALOGUE.printed)
+        raise OptionError(f"hand {name} has no printed move that it cannot make, only {known}")
+    return printed

@@ -1,17 +1,6 @@
 """`flatrig analyse` and `solve` for cranes: what needs nothing but the description."""
 
-from ...feedforward import (
-    Analysis,
-    Feasibility,
-    Motion,
-    Reference,
-    analyse,
-    check,
-    driven_unit,
-    from_move,
-    shortest_duration,
-    solve,
-)
+from ... import feedforward
 from ...models import Rig
 from ...models.errors import PathError
 from .. import options
@@ -30,7 +19,7 @@ MOST_LOOKS = 20_000
 def show_analysis(command: options.Analyse) -> None:
     """Print the structure of the rig's equations and what the move asks of the rig."""
     rig, move = command.target()
-    analysis, out = analyse(rig), console()
+    analysis, out = feedforward.analyse(rig), console()
     flat = "flat" if analysis.flat else "not flat"
     structure = [
         ("differentiation index", f"{analysis.index}"),
@@ -41,8 +30,10 @@ def show_analysis(command: options.Analyse) -> None:
     out.print(facts(f"{rig.name}: structure", structure))
     if command.equations:
         _show_offsets(analysis)
-    reference = from_move(move)
-    report = check(rig, reference, rate=min(FEASIBILITY_RATE, MOST_LOOKS / reference.duration))
+    reference = feedforward.from_move(move)
+    report = feedforward.check(
+        rig, reference, rate=min(FEASIBILITY_RATE, MOST_LOOKS / reference.duration)
+    )
     if report.motion is not None:
         _show_motion(report.motion, reference)
         _show_sizing(report)
@@ -53,7 +44,7 @@ def show_analysis(command: options.Analyse) -> None:
         out.print(_shortest(rig, reference, command.margin), soft_wrap=True)
 
 
-def _show_offsets(analysis: Analysis) -> None:
+def _show_offsets(analysis: feedforward.Analysis) -> None:
     """Print every equation with the unknown that is paired with it."""
     rows = table(
         "Offsets: c, how often an equation is differentiated; "
@@ -69,10 +60,10 @@ def _show_offsets(analysis: Analysis) -> None:
     console().print(rows)
 
 
-def _shortest(rig: Rig, reference: Reference, margin: float) -> str:
+def _shortest(rig: Rig, reference: feedforward.Reference, margin: float) -> str:
     """What can be said about the shortest duration of a path."""
     try:
-        best = shortest_duration(rig, reference, margin=margin)
+        best = feedforward.shortest_duration(rig, reference, margin=margin)
     except PathError as error:
         return f"No duration is enough: {error}"
     return (
@@ -81,7 +72,7 @@ def _shortest(rig: Rig, reference: Reference, margin: float) -> str:
     )
 
 
-def _show_sizing(report: Feasibility) -> None:
+def _show_sizing(report: feedforward.Feasibility) -> None:
     """Print what the move asks of each drive (K 3.3)."""
     headings = "largest", "at [s]", "rms", "limit", "spare", "speed", "[rpm]", "power"
     rows = table("What the drives need", "", *headings, "braking [W]")
@@ -103,8 +94,10 @@ def _show_sizing(report: Feasibility) -> None:
 def write_solution(command: options.Solve) -> None:
     """Solve for the inputs, print a summary and write the CSV."""
     rig, move = command.target()
-    reference = from_move(move)
-    motion = solve(rig, reference, sample_times(reference.duration, command.rate, MOST_SAMPLES))
+    reference = feedforward.from_move(move)
+    motion = feedforward.solve(
+        rig, reference, sample_times(reference.duration, command.rate, MOST_SAMPLES)
+    )
     if command.output:
         motion.to_csv(command.output)
     feasible = _show_motion(motion, reference)
@@ -116,7 +109,7 @@ def write_solution(command: options.Solve) -> None:
         out.print(f"wrote {command.output}: {len(motion.times)} samples", soft_wrap=True)
 
 
-def _show_motion(motion: Motion, reference: Reference) -> bool:
+def _show_motion(motion: feedforward.Motion, reference: feedforward.Reference) -> bool:
     """Print the ranges of a motion's numbers; returns whether ropes and drives can do it."""
     rig = motion.rig
     ends = f"{point(reference.start)} to {point(reference.goal)}"
@@ -124,7 +117,7 @@ def _show_motion(motion: Motion, reference: Reference) -> bool:
     rows = table(title, "", *RANGE, "limit", "")
     feasible = not motion.slack
     for drive, values in zip(rig.drives, motion.inputs.T, strict=True):
-        label = f"input {drive.name} [{driven_unit(rig, drive)}]"
+        label = f"input {drive.name} [{feedforward.driven_unit(rig, drive)}]"
         feasible &= add_input(rows, label, values, drive.limit)
     for name, values in zip(rig.rope_names, motion.tensions.T, strict=True):
         note = "" if (values > 0).all() else warning("would have to push")

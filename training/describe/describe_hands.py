@@ -8,19 +8,7 @@ Forces inside the friction cones keep `MARGIN` of the friction and press with `P
 
 import numpy as np
 
-from ...feedforward.rolling import (
-    ContactForces,
-    HandMotion,
-    HandPlan,
-    JointForces,
-    classify,
-    in_cones,
-    joint_forces,
-    least_norm,
-    plan_hand,
-    replay,
-    residuals,
-)
+from ...feedforward import rolling
 from ...models import Hand, HandMove, Plate
 from ...models.errors import OptionError, PathError
 from .. import options
@@ -49,11 +37,13 @@ def show_analysis(command: options.Analyse) -> None:
     hand, move = command.hand_target()
     _show_structure(hand)
     try:
-        plan = plan_hand(hand, move)
+        plan = rolling.plan_hand(hand, move)
         motion = plan(np.linspace(0.0, move.duration, SAMPLES))
         _show_motion(motion)
         _show_exactness(plan, motion)
-        _show_forces("Contact forces of least norm (K examples 7 and 8)", least_norm(motion))
+        _show_forces(
+            "Contact forces of least norm (K examples 7 and 8)", rolling.least_norm(motion)
+        )
     except PathError as error:
         _refuse(error)
         return
@@ -63,13 +53,13 @@ def show_analysis(command: options.Analyse) -> None:
             f"Contact forces in the cones, {MARGIN:.0%} of the friction left and every finger "
             f"pressing with {PRESS:.0%} of the weight at least", forces,
         )  # fmt: skip
-        show_verdict(_show_motors(joint_forces(motion, forces)))
+        show_verdict(_show_motors(rolling.joint_forces(motion, forces)))
 
 
-def _in_cones(motion: HandMotion) -> ContactForces | None:
+def _in_cones(motion: rolling.HandMotion) -> rolling.ContactForces | None:
     """Forces inside the friction cones; None after saying why there are none."""
     try:
-        return in_cones(motion, MARGIN, PRESS)
+        return rolling.in_cones(motion, MARGIN, PRESS)
     except PathError as error:
         _refuse(error)
     except OptionError as error:  # no solver
@@ -83,7 +73,7 @@ def _refuse(error: PathError) -> None:
 
 
 def _show_structure(hand: Hand) -> None:
-    row = classify(hand)
+    row = rolling.classify(hand)
     answers = ("yes" if row.holonomic else "no", row.flat, row.liouvillian)
     structure = [
         ("states that can be reached", str(row.dimension), ""),
@@ -94,22 +84,22 @@ def _show_structure(hand: Hand) -> None:
     console().print(facts(f"{row.hand}: structure", structure))
 
 
-def _show_exactness(plan: HandPlan, motion: HandMotion) -> None:
+def _show_exactness(plan: rolling.HandPlan, motion: rolling.HandMotion) -> None:
     """Print how well constraints hold, and the driftless system integrated again."""
-    error = residuals(motion)
+    error = rolling.residuals(motion)
     numbers = {
         "contacts off a surface (K 2.3 to 2.5) [m]": error.surface,
         "normals not opposite (K 2.6)": error.tangency,
         "fingers off their slides [m]": error.slides,
         "slip, rate of (K 2.8) [m/s]": error.rolling,
         "error of integrals, at most [rad]": motion.quadrature_error,
-        "driftless system integrated again, off by [rad]": replay(plan).orientation,
+        "driftless system integrated again, off by [rad]": rolling.replay(plan).orientation,
     }
     rows = [(label, f"{number:.1e}") for label, number in numbers.items()]
     console().print(facts("How exact the plan is", rows, right=True))
 
 
-def _show_forces(heading: str, forces: ContactForces) -> None:
+def _show_forces(heading: str, forces: rolling.ContactForces) -> None:
     """Print how hard every finger presses, and whether friction holds it."""
     limit = forces.motion.hand.friction
     rows = table(heading, "finger", "normal, lowest [N]", "highest", "friction used", "there is")
@@ -123,7 +113,7 @@ def _show_forces(heading: str, forces: ContactForces) -> None:
         console().print(f"outside the cones: {forces.outside}", soft_wrap=True)
 
 
-def _show_motors(inputs: JointForces) -> bool:
+def _show_motors(inputs: rolling.JointForces) -> bool:
     """Print what the motors give; returns whether they can."""
     rows = table("Motors, with the forces in the cones", "", *RANGE, "limit", "")
     feasible = True
@@ -135,7 +125,7 @@ def _show_motors(inputs: JointForces) -> bool:
     return feasible
 
 
-def _show_motion(motion: HandMotion) -> None:
+def _show_motion(motion: rolling.HandMotion) -> None:
     """Print the ranges of the pose and of where the fingers are touched."""
     hand = motion.hand
     rows = table(f"{hand.name}: {angles(motion.move)}", "", *RANGE, "limit")
@@ -164,13 +154,13 @@ def _show_motion(motion: HandMotion) -> None:
 def write_solution(command: options.Solve) -> None:
     """Plan the motion, print a summary, and write it as CSV with the forces that there are."""
     hand, move = command.hand_target()
-    motion = plan_hand(hand, move)(sample_times(move.duration, command.rate, MOST_SAMPLES))
+    motion = rolling.plan_hand(hand, move)(sample_times(move.duration, command.rate, MOST_SAMPLES))
     _show_motion(motion)
     out = console()
     out.print(f"Error of all integrals: at most {motion.quadrature_error:.1e} rad")
     forces = _in_cones(motion)
     if forces is not None:
-        show_verdict(_show_motors(joint_forces(motion, forces)))
+        show_verdict(_show_motors(rolling.joint_forces(motion, forces)))
     if command.output:
         if forces is None:
             motion.to_csv(command.output)
@@ -179,9 +169,9 @@ def write_solution(command: options.Solve) -> None:
         out.print(f"wrote {command.output}: {len(motion.times)} samples", soft_wrap=True)
 
 
-def _write(forces: ContactForces, path: str) -> None:
+def _write(forces: rolling.ContactForces, path: str) -> None:
     """Write motion, contact forces and motors, a row an instant."""
-    motion, inputs = forces.motion, joint_forces(forces.motion, forces)
+    motion, inputs = forces.motion, rolling.joint_forces(forces.motion, forces)
     names = [f"{name}.force.{axis}" for name in motion.hand.finger_names for axis in "xyz"]
     columns = (motion.table, forces.values.reshape(len(motion.times), -1), inputs.values)
     header = (*motion.column_names, *names, *inputs.names)

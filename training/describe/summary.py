@@ -75,6 +75,4 @@ def point(values: Iterable[float], digits: int = 6) -> str:
 
 def show_verdict(feasible: bool) -> None:
     """Print whether a move can be made."""
-    console().print(
-        "The move is feasible." if feasible else warning("The move is not feasible."),
-    )
+    console().print("The move is feasible." if feasible else warning("The move is not feasible."))
