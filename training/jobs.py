@@ -95,12 +95,9 @@ class Processes:
         self, function: Callable[[Item], Value], items: Mapping[int, Item], retries: int
     ) -> Iterator[tuple[int, Value | Exception]]:
         """Work on the items."""
-        work = self._here if self.count == 1 else self._side_by_side
-        return work(function, items, retries)
-
-    def _here(
-        self, function: Callable[[Item], Value], items: Mapping[int, Item], retries: int
-    ) -> Iterator[tuple[int, Value | Exception]]:
+        if self.count > 1:
+            yield from self._side_by_side(function, items, retries)
+            return
         if self.begin is not None:
             self.begin()
         for number, item in items.items():

@@ -82,27 +82,25 @@ def measure(record: Record) -> Metrics:
     distance, alive = record.distance, record.alive
     after = record.times[:, None] >= record.arrival - 1e-9  # times are rounded
     whole = after & alive[-1]
-    effort = np.square(record.inputs).mean(axis=2)
+    turn = np.full(alive.shape, np.nan) if record.turn is None else record.turn
     lowest = np.where(alive, record.tensions.min(axis=2), np.inf).min(axis=0)
     return Metrics(
         rmse=np.sqrt(np.square(distance).mean(axis=0)),
         largest=distance.max(axis=0),
         swing=_swing(record.load[..., :-1], whole),
         settling=_settling(record.times, record.arrival, distance, after),
-        effort=np.sqrt(np.where(alive, effort, 0.0).sum(axis=0) / np.maximum(alive.sum(axis=0), 1)),
+        effort=_rms(np.square(record.inputs).mean(axis=2), alive),
         tension=np.where(np.isfinite(lowest), lowest, 0.0),
         settled=np.asarray(alive[-1] & (distance[-1] <= SETTLED), dtype=float),
         failed=np.asarray(~alive[-1], dtype=float),
-        turn=_turn(record),
+        turn=_rms(np.square(turn), alive),
     )
 
 
-def _turn(record: Record) -> Array:
-    """Root mean square angle over the periods until a run ended [rad], shape (N,)."""
-    if record.turn is None:
-        return np.full(record.alive.shape[1], np.nan)
-    squares = np.where(record.alive, np.square(record.turn), 0.0).sum(axis=0)
-    return np.asarray(np.sqrt(squares / np.maximum(record.alive.sum(axis=0), 1)))
+def _rms(squares: Array, alive: Mask) -> Array:
+    """Root of the mean of squares (T, N) over the periods until a run ended, shape (N,)."""
+    total = np.where(alive, squares, 0.0).sum(axis=0)
+    return np.asarray(np.sqrt(total / np.maximum(alive.sum(axis=0), 1)))
 
 
 def between(angles: Array, others: Array) -> Array:

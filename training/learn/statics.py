@@ -17,12 +17,10 @@ def drive_jacobian(rig: Rig, reference: Reference, times: Array) -> Array:
 
     Parameters
     ----------
-    rig
-        The description.
-    reference
-        Path of its outputs.
+    rig, reference
+        The crane, and the path of its outputs.
     times
-        Where the derivatives are wanted [s], shape (N,).
+        Instants of the derivatives [s], shape (N,).
 
     Returns
     -------
@@ -32,13 +30,12 @@ def drive_jacobian(rig: Rig, reference: Reference, times: Array) -> Array:
     instants = np.linspace(0.0, reference.duration, POINTS)
     jacobian = np.zeros((POINTS, len(rig.drives), reference.size))
     for k, point in enumerate(reference(instants)):
-        for column in range(reference.size):
-            ends = []
-            for sign in (1.0, -1.0):
-                moved = point.copy()
-                moved[column] += sign * STEP
-                ends.append(solve(rig, hold(moved), 0.0).drive_positions[0])
-            jacobian[k, :, column] = _without_turns(ends[0] - ends[1]) / (2.0 * STEP)
+        for column, step in enumerate(STEP * np.eye(reference.size)):
+            ahead, behind = (
+                solve(rig, hold(place), 0.0).drive_positions[0]
+                for place in (point + step, point - step)
+            )
+            jacobian[k, :, column] = _without_turns(ahead - behind) / (2.0 * STEP)
     flat = jacobian.reshape(POINTS, -1)
     columns = [np.interp(times, instants, values) for values in flat.T]
     return np.stack(columns, axis=1).reshape(len(times), *jacobian.shape[1:])
