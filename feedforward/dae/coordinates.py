@@ -106,10 +106,8 @@ class Coordinates:
             result[cos, j] = place.q[sin] * rate[j] ** 2
             result[sin, j] = -place.q[cos] * rate[j] ** 2
         for directors, columns, angles in self._platforms(x):
-            turn = rate[columns]
-            result[np.ix_(directors, columns)] = np.einsum(
-                "nijk,i,j->nk", _rotation(angles, 3), turn, turn
-            )
+            turned = np.einsum("nijk,i,j->nk", _rotation(angles, 3), rate[columns], rate[columns])
+            result[np.ix_(directors, columns)] = turned
         if self.eliminated:
             hessian, gradient, pivot = self._eliminating(place.q)
             turned = place.bend @ rate
@@ -145,9 +143,8 @@ class Coordinates:
     def _plain(self) -> tuple[list[int], list[int]]:
         """Indices in q and in x of the polynomial coordinates that are coordinates themselves."""
         shared = [name for name in self.names if name in self.equations.names]
-        return [self.equations.names.index(n) for n in shared], [
-            self.names.index(n) for n in shared
-        ]
+        rows = [self.equations.names.index(name) for name in shared]
+        return rows, [self.names.index(name) for name in shared]
 
     @cached_property
     def _turning(self) -> list[tuple[int, int, int]]:

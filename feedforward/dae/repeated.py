@@ -101,11 +101,9 @@ class Repeated:
     def names(self) -> tuple[str, ...]:
         """The unknowns, then their derivatives that are unknowns too."""
         unknowns = {place: (j, k) for (j, k), place in self.slots.items()}
-        order = (unknowns[place] for place in range(self._size()))
+        size = sum(offset + 1 for offset in self.offsets)
+        order = (unknowns[place] for place in range(size))
         return tuple(self.analysis.unknowns[j] + "'" * k for j, k in order)
-
-    def _size(self) -> int:
-        return sum(offset + 1 for offset in self.offsets)
 
     def _highest(self) -> list[int]:
         """Highest derivative of each unknown in the equations."""
@@ -123,7 +121,7 @@ class Repeated:
             for row, offset in zip(self.analysis.rows, self.offsets, strict=True)
             for order in range(offset + 1)
         ]
-        return Terms.of(rows, self.slots, self._size())
+        return Terms.of(rows, self.slots)
 
     def evaluate(self, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool) -> Evaluated:
         """All equations and their derivatives."""
@@ -154,9 +152,7 @@ class Terms:
     """Equation, derivative and column of what is prescribed, shape (3, terms)."""
 
     @classmethod
-    def of(
-        cls, rows: list[tuple[Row, int]], slots: dict[tuple[int, int], int], size: int
-    ) -> "Terms":
+    def of(cls, rows: list[tuple[Row, int]], slots: dict[tuple[int, int], int]) -> "Terms":
         """Of rows, each differentiated as often as it says."""
         linear: list[tuple[float, ...]] = []
         quadratic: list[tuple[float, ...]] = []
@@ -172,7 +168,6 @@ class Terms:
             if row.output is not None:
                 servo.append((i, order, row.output))
         constant = np.array([row.constant if order == 0 else 0.0 for row, order in rows])
-        assert len(rows) == size
         return cls(constant, _columns(linear, 3), _columns(quadratic, 4), _columns(servo, 3))
 
     def evaluate(self, given: Array, w: Array, slopes: bool) -> Evaluated:

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...models.types import Array
-from ..exact.inverse import turning_angle
-from ..exact.motion import Motion, find_slack
+from ..exact.branch import turning_angles
+from ..exact.inverse import bryant_angles, named_motion
+from ..exact.motion import Motion
 from ..paths.reference import Reference
-from ..series.rotation import bryant
 from .formulation import Formulation
 from .newton import Counters
 from .schemes import State
@@ -52,37 +52,18 @@ def motion_of(
 ) -> Motion:
     """The motion through N states along a reference, angles counted from those at its start."""
     problem = equations.mechanics.coordinates.problem
-    e, rig, angles = problem.equations, problem.rig, start_angles(problem, reference)
+    e = problem.equations
     parts = [_polynomial(equations, state) for state in states]
-    series = np.array([part.series for part in parts]).swapaxes(0, 1)
-    multipliers = np.array([part.multipliers for part in parts])
-    columns = {name: series[:, :, i] for i, name in enumerate(e.names)}
-    hidden = {i for _, *pair in e.turning for i in pair}
-    for name, cos, sin in e.turning:
-        near = np.unwrap(np.arctan2(series[0, :, sin], series[0, :, cos]))
-        turns = np.round((angles[name] - near[0]) / (2.0 * np.pi))
-        columns[name] = turning_angle(
-            series[..., cos], series[..., sin], near + 2.0 * np.pi * turns
-        )
+    series = np.array([part.series for part in parts]).transpose(2, 1, 0)
+    angles = turning_angles(e, series[:, 0], start_angles(problem, reference))
+    platforms: dict[str, Array] = {}
     for orientation in e.orientations:
-        hidden |= set(orientation.directors)
-        columns |= _bryant(series[..., list(orientation.directors)], orientation.angles)
-    free = (name for i, name in enumerate(e.names) if i not in hidden)
-    names = tuple(dict.fromkeys((*rig.coordinate_names, *free)))
-    kinematics = np.array([columns[name] for name in names]).transpose(1, 2, 0)
-    tensions = e.tensions(series[0], multipliers)
-    return Motion(
-        rig=rig,
-        times=times,
-        coordinate_names=names,
-        positions=kinematics[0],
-        velocities=kinematics[1],
-        accelerations=kinematics[2],
-        inputs=np.array([part.inputs for part in parts]),
-        tensions=tensions,
-        multipliers=multipliers,
-        slack=find_slack(rig, times, tensions),
-    )
+        platforms |= bryant_angles(orientation, series)
+    for values in platforms.values():
+        values[0] = np.unwrap(values[0])
+    multipliers = np.array([part.multipliers for part in parts])
+    inputs = np.array([part.inputs for part in parts])
+    return named_motion(e, times, series, angles, platforms, multipliers, inputs)
 
 
 class _Polynomial(NamedTuple):
@@ -113,12 +94,3 @@ def _polynomial(equations: Formulation, state: State) -> _Polynomial:
         multipliers[eliminated] = np.linalg.lstsq(pulls, -forces.unbalanced, rcond=None)[0]
     series = np.array([place.q, place.slope @ rate, place.second(rate, acceleration)])
     return _Polynomial(series, multipliers, inputs)
-
-
-def _bryant(directors: Array, names: tuple[str, str, str]) -> dict[str, Array]:
-    """Bryant angles, (3, N) each, of nine directors with two derivatives (3, N, 9)."""
-    factorials = np.array([1.0, 1.0, 2.0])[:, None]
-    rotation = directors.reshape(3, -1, 3, 3).swapaxes(-1, -2) / factorials[..., None, None]
-    angles = bryant(rotation)
-    angles[0] = np.unwrap(angles[0], axis=0)
-    return {name: angles[..., i] * factorials for i, name in enumerate(names)}

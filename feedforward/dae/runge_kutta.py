@@ -134,10 +134,7 @@ class Collocation:
 
 def radau(stages: int) -> Collocation:
     """Radau IIA with 2 or 3 stages."""
-    nodes = {
-        2: (1.0 / 3.0, 1.0),
-        3: ((4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0),
-    }[stages]
+    nodes = {2: (1.0 / 3.0, 1.0), 3: ((4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0)}[stages]
     return Collocation(f"Radau IIA {stages}", 2 * stages - 1, nodes)
 
 

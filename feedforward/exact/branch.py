@@ -5,6 +5,7 @@ pulley on the other side of its ropes).  The right one continues the rig's home:
 outputs are moved to the start of the path in rest, and then along it, on a grid as fine as needed.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -80,10 +81,8 @@ def branch_of(problem: Problem, reference: Reference) -> Branch:
     for j, coefficients in enumerate(solution.series):
         if len(coefficients) > 1:
             rates[j] = coefficients[1]
-    angles = {}
-    for name, angle in _angles(equations, path).items():
-        turned = _angles(equations, arrived.values)[name][-1]
-        angles[name] = angle + 2.0 * np.pi * np.round((turned - angle[0]) / (2.0 * np.pi))
+    way = turning_angles(equations, arrived.values)
+    angles = turning_angles(equations, path, {name: angle[-1] for name, angle in way.items()})
     return Branch(problem, signs, times, path, rates, angles)
 
 
@@ -122,12 +121,19 @@ def _follow(
     return times, solution
 
 
-def _angles(equations: Equations, values: Array) -> dict[str, Array]:
-    """Continuous angles (N,) of the turning frames from unknowns (unknowns, N)."""
-    return {
-        name: np.unwrap(np.arctan2(values[sin], values[cos]))
-        for name, cos, sin in equations.turning
-    }
+def turning_angles(
+    equations: Equations, values: Array, start: Mapping[str, float] | None = None
+) -> dict[str, Array]:
+    """Continuous angles (N,) of the turning frames from unknowns (unknowns, N).
+
+    The first of each is the one nearest to its `start`, or lies within half a turn of zero.
+    """
+    angles = {}
+    for name, cos, sin in equations.turning:
+        angle = np.unwrap(np.arctan2(values[sin], values[cos]))
+        turns = np.round((start[name] - angle[0]) / (2.0 * np.pi)) if start else 0.0
+        angles[name] = angle + 2.0 * np.pi * turns
+    return angles
 
 
 def _limit(problem: Problem, reference: Reference, start: Array) -> Array:

@@ -118,16 +118,8 @@ class Motion:
             *(f"{name}_dot" for name in self.coordinate_names),
             *(f"{name}_ddot" for name in self.coordinate_names),
         ]
-        table = np.column_stack(
-            (
-                self.times,
-                self.inputs,
-                self.tensions,
-                self.positions,
-                self.velocities,
-                self.accelerations,
-            )
-        )
+        kinematics = (self.positions, self.velocities, self.accelerations)
+        table = np.column_stack((self.times, self.inputs, self.tensions, *kinematics))
         with replacing(path) as beside:
             np.savetxt(beside, table, "%.17g", ",", header=",".join(names), comments="")
 

@@ -18,12 +18,7 @@ SAME = 1e-6
 
 
 def solve_quadratic(
-    step: Step,
-    series: Series,
-    reference: Array,
-    guess: Array,
-    follow: bool,
-    known: float | None,
+    step: Step, series: Series, reference: Array, guess: Array, follow: bool, known: float | None
 ) -> tuple[Array, None]:
     """Solve a w^2 + b w + c = 0 for the root on the known side of the vertex, or the guess's.
 

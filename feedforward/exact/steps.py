@@ -82,19 +82,12 @@ def plan(analysis: Analysis, further: int = 0) -> tuple[Step, ...]:
 
     Unknown j is determined up to its derivative d_j + `further`.
     """
+    c, d = analysis.equation_offsets, analysis.unknown_offsets
     steps = []
-    for stage in range(-max(analysis.unknown_offsets), 1 + further):
+    for stage in range(-max(d), 1 + further):
         for number, (equations, unknowns) in enumerate(analysis.blocks):
-            rows = tuple(
-                (analysis.rows[i], stage + analysis.equation_offsets[i])
-                for i in equations
-                if stage + analysis.equation_offsets[i] >= 0
-            )
-            columns = tuple(
-                (j, stage + analysis.unknown_offsets[j])
-                for j in unknowns
-                if stage + analysis.unknown_offsets[j] >= 0
-            )
+            rows = tuple((analysis.rows[i], stage + c[i]) for i in equations if stage + c[i] >= 0)
+            columns = tuple((j, stage + d[j]) for j in unknowns if stage + d[j] >= 0)
             if rows:
                 slopes = tuple(
                     tuple(_slope(row, order, *column) for column in columns) for row, order in rows

@@ -114,12 +114,7 @@ def expand(
 
 
 def _solve(
-    step: Step,
-    series: Series,
-    reference: Array,
-    guess: Array,
-    follow: bool,
-    side: float | None,
+    step: Step, series: Series, reference: Array, guess: Array, follow: bool, side: float | None
 ) -> Solved:
     """Replace the zeros that stand for a step's coefficients by their values."""
     if step.kind == "scalar":

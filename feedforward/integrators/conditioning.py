@@ -49,11 +49,7 @@ class Condition(NamedTuple):
 
 
 def table(
-    system: System,
-    q: Array,
-    v: Array,
-    steps: Sequence[float],
-    schemes: Sequence[Scheme] = SCHEMES,
+    system: System, q: Array, v: Array, steps: Sequence[float], schemes: Sequence[Scheme] = SCHEMES
 ) -> list[Condition]:
     """Condition numbers of each scheme's iteration matrix at a state, for steps [s]."""
     rows = []

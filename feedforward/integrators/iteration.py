@@ -87,8 +87,6 @@ def linearised(system: System, stage: Stage, q: Array, multipliers: Array) -> tu
     balance = stage.weight * system.mass @ (q - stage.target) + force.potential
     balance += force.jacobian.T @ multipliers
     matrix = saddle(
-        stage.weight * system.mass + force.slope,
-        force.jacobian.T,
-        system.constraint_jacobian(q),
+        stage.weight * system.mass + force.slope, force.jacobian.T, system.constraint_jacobian(q)
     )
     return matrix, np.concatenate((balance, system.constraint_values(q)))

@@ -6,7 +6,8 @@ prints them: conservation and conditioning on the free rotary crane (Y 2.4), wor
 the squeezing mechanism (Y 3.5).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from time import perf_counter
 from typing import NamedTuple
 
@@ -69,12 +70,9 @@ def conservation(
             energy = np.array([system.energy(q, v) for q, v in states])
             moment = np.array([system.angular_momentum(q, v)[2] for q, v in states])
             reason = run.failure.reason if run.failure else ""
-            changes = [float(np.abs(x / x[0] - 1).max()) for x in (energy, moment)]
-            rows.append(
-                Conserved(
-                    scheme.name, 1 / count, changes[0], changes[1], run.counters.iterations, reason
-                )
-            )
+            drift, turn = (float(np.abs(x / x[0] - 1).max()) for x in (energy, moment))
+            iterations = run.counters.iterations
+            rows.append(Conserved(scheme.name, 1 / count, drift, turn, iterations, reason))
     return rows
 
 
@@ -108,22 +106,18 @@ def work_precision(
     schemes: Sequence[Scheme] = SCHEMES,
 ) -> list[Work]:
     """Error of the squeezer's beta against a reference, and the work for it."""
+    runs: list[tuple[str, str, Callable[[], Run]]] = [
+        (scheme.name, str(count), partial(squeezer_run, scheme, count))
+        for scheme in schemes
+        for count in counts
+    ]
+    runs += [("index 1, DOP853", f"{t:g}", partial(squeezer_explicit, t)) for t in tolerances]
     rows = []
-    for scheme in schemes:
-        for count in counts:
-            began = perf_counter()
-            run = squeezer_run(scheme, count)
-            rows.append(_work(scheme.name, str(count), run, reference, perf_counter() - began))
-    for tolerance in tolerances:
+    for method, setting, integrate_squeezer in runs:
         began = perf_counter()
-        run = squeezer_explicit(tolerance)
-        name = f"{tolerance:g}"
-        rows.append(_work("index 1, DOP853", name, run, reference, perf_counter() - began))
+        run = integrate_squeezer()
+        seconds = perf_counter() - began
+        error = abs(float(angles_of_squeezer(run.q)[-1, 0]) - reference)
+        error = np.inf if run.failure else error
+        rows.append(Work(method, setting, error, run.counters.factorisations, seconds))
     return rows
-
-
-def _work(method: str, setting: str, run: Run, reference: float, seconds: float) -> Work:
-    error = abs(float(angles_of_squeezer(run.q)[-1, 0]) - reference)
-    return Work(
-        method, setting, np.inf if run.failure else error, run.counters.factorisations, seconds
-    )

@@ -158,11 +158,7 @@ def sampled(
 
 
 def from_csv(
-    path: str | PathLike[str],
-    order: int = 4,
-    *,
-    size: int | None = None,
-    tolerance: float = 1e-6,
+    path: str | PathLike[str], order: int = 4, *, size: int | None = None, tolerance: float = 1e-6
 ) -> SampledPath:
     """The path along the points of a CSV file.
 

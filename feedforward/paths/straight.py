@@ -68,10 +68,7 @@ class StraightPath(ReferencePath):
 
 
 def rest_to_rest(
-    start: Sequence[float] | Array,
-    goal: Sequence[float] | Array,
-    duration: float,
-    order: int = 4,
+    start: Sequence[float] | Array, goal: Sequence[float] | Array, duration: float, order: int = 4
 ) -> StraightPath:
     """A straight line from rest to rest on a polynomial of degree 2 `order` + 1.
 

@@ -48,14 +48,7 @@ def _quintic(ends: Array) -> Array:
     (a, b, c), (p, q, r) = ends
     d0, d1, d2 = p - a - b - c / 2, q - b - c, r - c
     return np.array(
-        [
-            a,
-            b,
-            c / 2,
-            10 * d0 - 4 * d1 + d2 / 2,
-            -15 * d0 + 7 * d1 - d2,
-            6 * d0 - 3 * d1 + d2 / 2,
-        ]
+        [a, b, c / 2, 10 * d0 - 4 * d1 + d2 / 2, -15 * d0 + 7 * d1 - d2, 6 * d0 - 3 * d1 + d2 / 2]
     )
 
 

@@ -45,12 +45,7 @@ MOST_TURNING = 6 * math.pi
 def _integral(theta: Array, goal: float) -> Array:
     """Integrals of sin(theta) times 1 and (theta - goal)^2, shape (2, ...)."""
     away = theta - goal
-    return np.stack(
-        (
-            -np.cos(theta),
-            (2 - away**2) * np.cos(theta) + 2 * away * np.sin(theta),
-        )
-    )
+    return np.stack((-np.cos(theta), (2 - away**2) * np.cos(theta) + 2 * away * np.sin(theta)))
 
 
 @dataclass(frozen=True)
