@@ -25,24 +25,25 @@ class Boom:
     frame: str
     """Name of the frame that carries it; "world" if it is fixed."""
     anchors: tuple[str, ...]
-    """Names of those on it, from the lowest up."""
+    """Names of the anchors on it, from the lowest up."""
     foot: Array
+    """Where it stands, shape (3,) [m]."""
     tip: Array
-    """Where the highest anchor is."""
+    """Where the highest anchor is, shape (3,) [m]."""
 
 
 def find(rig: Rig) -> tuple[Boom, ...]:
     """The booms of a rig, one a frame at most."""
     winches = {rope.path[0] for rope in rig.ropes}
     with_rails = {rail.frame for rail in rig.rails}
-    found = []
+    booms = []
     for frame in (WORLD, *(frame.name for frame in rig.frames)):
         anchors = [a for a in rig.anchors if a.frame == frame and a.name in winches]
         anchors.sort(key=lambda anchor: anchor.position[2])
         places = np.array([anchor.position for anchor in anchors])
         if frame not in with_rails and _inclined(places):
-            found.append(_boom(rig, frame, anchors, places))
-    return tuple(found)
+            booms.append(_boom(rig, frame, anchors, places))
+    return tuple(booms)
 
 
 def _inclined(places: Array) -> bool:

@@ -21,7 +21,7 @@ CHEQUERS = {"object": ((0.96, 0.94, 0.88), (0.74, 0.16, 0.14))}
 GLASS = 0.3
 """Opacity of a plate that would hide the object."""
 THICKNESS = 0.3
-"""Of a plate, over the object's radius."""
+"""Thickness of a plate, over the object's radius."""
 ENDLESS = 20.0
 """Radius of a plate without end as modelled, over the object's."""
 WAY = 2.0
@@ -83,11 +83,11 @@ def _tints(hand: Hand) -> list[tuple[float, float, float]]:
 
 def _chequers(hand: Hand) -> dict[str, Any]:
     """Two colours of the object and of each turning tip."""
-    found: dict[str, Any] = dict(CHEQUERS)
+    colours: dict[str, Any] = dict(CHEQUERS)
     for finger, tint in zip(hand.fingers, _tints(hand), strict=True):
         if isinstance(finger.surface, Tip) and finger.surface.axes:
-            found[f"{finger.name}.tip"] = (tint, tuple(0.5 + 0.5 * part for part in tint))
-    return found
+            colours[f"{finger.name}.tip"] = (tint, tuple(0.5 + 0.5 * part for part in tint))
+    return colours
 
 
 def _chequered(scene: mujoco.MjSpec, name: str, colours: Any) -> None:

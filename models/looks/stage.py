@@ -31,7 +31,7 @@ COLOURS: dict[str, tuple[float, float, float]] = {
 ROPES = ("rope", "red rope", "green rope")
 
 FIELD_OF_VIEW = 35.0
-"""Of both cameras, vertical [degrees]."""
+"""Vertical field of view of both cameras [degrees]."""
 
 VIEWS = {"overview": (-0.5, 1.0, -0.32), "side": (0.0, 1.0, -0.04)}
 """Cameras and the directions in which they look."""
@@ -40,13 +40,13 @@ ASPECT = 4 / 3
 """Narrowest picture (width over height) that still shows everything."""
 
 WAY = 1.5
-"""Of a sliding frame from home to either side as drawn, over how far loads hang."""
+"""Way of a sliding frame from home to either side as drawn, over how far loads hang below."""
 
 RAIL = 1.0
-"""The same of a trolley on a rail without ends."""
+"""Way of a trolley on a rail without ends from home to either side, over how far loads hang."""
 
 MARGIN = 1.05
-"""Picture over what must be seen."""
+"""Size of the picture over what it must show."""
 
 
 @dataclass(frozen=True)

@@ -168,11 +168,11 @@ def _trucks(
     origins = np.array([rail.origin for rail in rails])
     height = np.array([0, 0, origins[0, 2]])
     offsets = origins @ axis
-    found = []
+    trucks = []
     for label, place in (("start", ends[0] - TRUCK * unit), ("end", ends[1] + TRUCK * unit)):
         base = height + place * along
-        found.append((label, base + offsets.min() * axis, base + offsets.max() * axis))
-    return found
+        trucks.append((label, base + offsets.min() * axis, base + offsets.max() * axis))
+    return trucks
 
 
 def boom(paint: Painter, body: Any, part: Boom) -> None:

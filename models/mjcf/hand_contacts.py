@@ -29,13 +29,13 @@ class Contacts:
     """Contacts of all fingers with the object at one instant; zero where there is none."""
 
     touching: NDArray[np.bool_]
-    """Shape (fingers,)."""
+    """Whether each finger touches the object, shape (fingers,)."""
     points: Array
-    """In space [m], shape (fingers, 3)."""
+    """Places of the contacts in space [m], shape (fingers, 3)."""
     normals: Array
-    """From the object outwards, unit vectors, shape (fingers, 3)."""
+    """Unit normals of the contacts, from the object outwards, shape (fingers, 3)."""
     forces: Array
-    """On the object, in space [N], shape (fingers, 3)."""
+    """Forces of the fingers on the object, in space [N], shape (fingers, 3)."""
     penetration: Array
     """How far the surfaces overlap [m], shape (fingers,)."""
     slip: Array
@@ -52,7 +52,7 @@ class Contacts:
 
     @property
     def tangential_force(self) -> Array:
-        """Size of the rest [N], shape (fingers,)."""
+        """Size of each contact's force along the surface [N], shape (fingers,)."""
         rest = self.forces + self.normal_force[:, None] * self.normals
         return np.asarray(np.linalg.norm(rest, axis=1))
 
@@ -84,7 +84,7 @@ class ContactLog:
             self._object = model.geom(OBJECT)
         count = len(hand.fingers)
         self.steps = 0
-        """Instants added."""
+        """Number of time steps added."""
         self.seconds = 0.0
         """Time they stand for [s]."""
         self.slipped = np.zeros(count)
@@ -164,10 +164,10 @@ class ContactLog:
 
     def _velocity(self, data: mujoco.MjData, geom: int) -> Array:
         """Velocity, angular velocity and place of a body's origin, (9,)."""
-        body, found = int(self._model.geom_bodyid[geom]), np.zeros(6)
+        body, velocity = int(self._model.geom_bodyid[geom]), np.zeros(6)
         kind = mujoco.mjtObj.mjOBJ_XBODY
-        mujoco.mj_objectVelocity(self._model, data, kind, body, found, 0)
-        return np.concatenate((found[3:], found[:3], data.xpos[body]))
+        mujoco.mj_objectVelocity(self._model, data, kind, body, velocity, 0)
+        return np.concatenate((velocity[3:], velocity[:3], data.xpos[body]))
 
 
 def _velocity_at(body: Array, point: Array) -> Array:

@@ -52,10 +52,11 @@ OBJECT = "object"
 """Name of the object's body, joint and geom."""
 
 CARRIAGE_SHARE = 0.5
-"""Of the mass that a turning tip's innermost slide moves: what does not turn."""
+"""Share of the mass that a turning tip's innermost slide moves which does not turn."""
 
 BRAKE = 1e7
-"""Inertia of a tip times this is its bearing's damping [1/s]; with 1e5 it yields."""
+"""Damping of a tip's bearing over the tip's inertia [1/s]: high enough that the tip does not turn
+about the bearing's axis; with 1e5 it yields."""
 
 TORSION = 0.1
 """Radius of the spot that resists spin where it is excluded, over the object's radius."""
@@ -81,7 +82,7 @@ def compile_hand(
         If not 0, slides have critically damped position actuators of this frequency [rad/s]
         instead of motors; a force F is added by ctrl = position + F / gain.
     squeeze
-        Normal force that holds the object at home [N]; see `hand_grasp.holding_forces`.
+        Normal force that holds the object at home [N]; see `hand.holding.holding_forces`.
     visuals
         The scene for people: looks and cameras.
 

@@ -47,14 +47,15 @@ class TurningTip:
     finger: int
     """Index of the finger in the hand."""
     qpos: slice
-    """Its orientation, a quaternion."""
+    """Where qpos holds its orientation, a quaternion."""
     qvel: slice
-    """Its angular velocity, in its own axes [rad/s]."""
+    """Where qvel holds its angular velocity, in its own axes [rad/s]."""
     motors: Indices
+    """Where ctrl holds the torques of its motors [N m], shape (motors,)."""
     axes: Array
-    """Of the motors, in the palm, shape (motors, 3)."""
+    """Unit axes of the motors, in the palm, shape (motors, 3)."""
     inertia: float
-    """[kg m2]"""
+    """Moment of inertia about any axis through its centre [kg m2]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,14 +63,15 @@ class HandIndex:
     """Where a model keeps a hand's slides and tips; slides finger by finger."""
 
     slides: Indices
-    """In qpos, shape (slides,)."""
+    """Where qpos holds the positions of the slides, shape (slides,)."""
     rates: Indices
-    """In qvel, shape (slides,)."""
+    """Where qvel holds the rates of the slides, shape (slides,)."""
     motors: Indices
-    """In ctrl, shape (slides,)."""
+    """Where ctrl holds the inputs of the slides, shape (slides,)."""
     masses: Array
-    """What the slides move [kg], shape (slides,)."""
+    """Masses that the slides move [kg], shape (slides,)."""
     tips: tuple[TurningTip, ...]
+    """The tips that motors turn, in the order of the fingers."""
 
     @classmethod
     def of(cls, hand: Hand, model: mujoco.MjModel) -> "HandIndex":
@@ -81,10 +83,10 @@ class HandIndex:
             The model is not this hand's.
         """
         with model_of(hand):
-            return cls._found(hand, model)
+            return cls._by_name(hand, model)
 
     @classmethod
-    def _found(cls, hand: Hand, model: mujoco.MjModel) -> "HandIndex":
+    def _by_name(cls, hand: Hand, model: mujoco.MjModel) -> "HandIndex":
         joints, tips = [], []
         for i, finger in enumerate(hand.fingers):
             joints += [
@@ -115,11 +117,11 @@ def slide_positions(hand: Hand, places: ArrayLike) -> Array:
 def slide_rates(hand: Hand, velocities: ArrayLike) -> Array:
     """Rates of all slides (N, slides) of fingers with velocities in space (N, fingers, 3)."""
     rates = np.asarray(velocities)
-    each = [
+    by_finger = [
         rates[:, i] @ np.linalg.pinv(np.array(finger.slides))
         for i, finger in enumerate(hand.fingers)
     ]
-    return np.concatenate(each, axis=1)
+    return np.concatenate(by_finger, axis=1)
 
 
 def joint_positions(

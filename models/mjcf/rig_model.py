@@ -31,12 +31,12 @@ from ..errors import ModelError, did_you_mean
 from ..looks import booms, dressing, stage
 from ..rig.chain import Link, links
 from ..rig.rig import WORLD, Frame, Platform, Rig, Trolley, Vector
-from ..types import Array
 from ..values import as_number
 from . import rigging, spools
-from .armature import check, tendon_jacobian
+from .armature import check
+from .at_rest import compile_at_rest
 from .rig_state import State, coordinates, joint_state, paid_out, points, tensions
-from .ropes import Ropes, ropes_of, stretch_of, stretches
+from .ropes import Ropes, ropes_of
 
 __all__ = [
     "INTEGRATORS",
@@ -58,10 +58,12 @@ INTEGRATORS = {
 """Integrators by name.  Only RK4 lands a crane's open-loop move (1e-6 m at 1 ms; others 1e-3 m)."""
 
 POINT_INERTIA = 1e-12
-"""Principal moments of inertia of a point mass [kg m2]; MuJoCo needs some."""
+"""Principal moments of inertia of a point mass [kg m2].  MuJoCo needs some; those of a ball as
+large as it is drawn would carry a load under a turning boom centimetres off its path."""
 
 LARGEST_SHARE = 0.1
-"""Largest mass that may stand in for none, over that of all loads."""
+"""Largest mass that may stand in for none, over that of all loads: the load's error
+grows in proportion to it."""
 
 MEMORY = (65536, 1024)
 """Scratch memory of the bare physics [bytes], and for each square of its degrees of freedom: ten
@@ -71,7 +73,8 @@ TIMESTEPS = (1e-12, 1e9)
 """Shortest and longest step [s] whose powers stay far from overflow."""
 
 FRAME_MASS = 1e-9
-"""Mass of a turning frame's body [kg], whose inertia is its joint's armature."""
+"""Mass of a turning frame's body [kg].  MuJoCo needs some; the frame's inertia is its joint's
+armature, to which this adds nothing that counts."""
 
 
 def compile(
@@ -113,7 +116,7 @@ def compile(
     scene = _scene(rig, timestep, integrator, visuals, friction, massless, material)
     if not visuals:
         scene.memory = MEMORY[0] + MEMORY[1] * len(scene.joints) ** 2
-    model = _compile_at_rest(scene, rig, material)
+    model = compile_at_rest(scene, rig, material)
     check(model)
     return model
 
@@ -131,7 +134,7 @@ def spec(
     """The same as an editable `mujoco.MjSpec`; parameters and errors as `compile`."""
     material = ropes_of(ropes, rig)
     scene = _scene(rig, timestep, integrator, visuals, friction, massless, material)
-    _compile_at_rest(scene, rig, material)
+    compile_at_rest(scene, rig, material)
     return scene
 
 
@@ -183,28 +186,6 @@ def _scene(
     home = [value for link in links(rig) for value in link.home]
     scene.add_key(name="home", qpos=home + paid, ctrl=np.zeros(len(rig.drives)))
     return scene
-
-
-def _compile_at_rest(scene: mujoco.MjSpec, rig: Rig, ropes: Ropes) -> mujoco.MjModel:
-    """Compile a scene and put into it, and into the model, what keeps the rig at rest at home.
-
-    The inputs, the stretch and the damping of ropes follow from the compiled model.  They change
-    nothing else in it, so that one compilation is enough.
-    """
-    try:
-        model = scene.compile()
-    except (ValueError, mujoco.FatalError) as error:
-        reason = " ".join(str(error).split())
-        raise ModelError(f"MuJoCo refuses the model of rig {rig.name}: {reason}") from None
-    tendons = [stretch_of(rope) for rope in rig.ropes] if ropes.spooled else []
-    inputs, tensions_at_rest = _holding_inputs(model, tendons)
-    home = model.key_qpos[0].copy()
-    if ropes.spooled:
-        spools.settle(scene, rig, ropes, model)  # while the keyframe's ropes are unstretched
-        home[-len(tendons) :] -= stretches(rig, model, tensions_at_rest)
-    scene.key("home").qpos = model.key_qpos[0] = home
-    scene.key("home").ctrl = model.key_ctrl[0] = inputs
-    return model
 
 
 def _options(
@@ -276,27 +257,3 @@ def _axes(rig: Rig, link: Link) -> list[Vector]:
     units = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
     turns = "xyz" if isinstance(link.part, Platform) else ""
     return [units[letter] for letter in (*rig.axes, *turns)]
-
-
-def _holding_inputs(model: mujoco.MjModel, tendons: list[str]) -> tuple[Array, Array]:
-    """Inputs (drives,), and tensions of some tendons, that keep the first keyframe at rest.
-
-    Where none do, those that come nearest (least squares).
-    """
-    data = mujoco.MjData(model)
-    data.qpos[:] = model.key_qpos[0]
-    mujoco.mj_forward(model, data)
-    effect = np.zeros((model.nv, model.nu + len(tendons)))
-    jacobian = tendon_jacobian(model, data)
-    for index in range(model.nu):
-        target = model.actuator_trnid[index, 0]
-        column = np.eye(model.nv)[model.jnt_dofadr[target]]
-        if model.actuator_trntype[index] == mujoco.mjtTrn.mjTRN_TENDON:
-            column = jacobian[target]
-        effect[:, index] = model.actuator_gear[index, 0] * column
-    for column, name in enumerate(tendons, start=model.nu):
-        effect[:, column] = -jacobian[model.tendon(name).id]
-    forces = np.linalg.lstsq(effect, data.qfrc_bias, rcond=None)[0]
-    # to nine decimals, so that exported scenes are the same on every machine; + 0.0 turns -0 to 0
-    rounded = np.array([round(float(value), 9) + 0.0 for value in forces])
-    return rounded[: model.nu], rounded[model.nu :]

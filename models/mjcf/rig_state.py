@@ -54,15 +54,18 @@ def joint_state(
 
     Parameters
     ----------
-        rig: the description.
-        model: its MuJoCo model.
-        coordinates: positions [m, rad] of all frames, trolleys, loads and platforms by coordinate
-            name ("bridge.angle", "trolley.position", "load.x"), each of shape (N,) or a number;
-            those of ropes, of their spans, and of trolleys in the world ("trolley.x") follow
-            and are left aside.
-        rates: their rates; what is left out is at rest.
-        tensions: by which ropes that can stretch are stretched, and stay so, (N, ropes) or one
-            number [N].
+    rig
+        The description.
+    model
+        Its MuJoCo model.
+    coordinates
+        Positions [m, rad] of all frames, trolleys, loads and platforms by coordinate name
+        ("bridge.angle", "trolley.position", "load.x"), each of shape (N,) or a number; those of
+        ropes, of their spans, and of trolleys in the world ("trolley.x") follow and are ignored.
+    rates
+        Their rates [m/s, rad/s]; a coordinate without one is at rest.
+    tensions
+        Tensions that stretch the ropes which can stretch, (N, ropes) or one number [N].
 
     Raises
     ------
@@ -109,8 +112,8 @@ def points(
     Orders are position [m], velocity [m/s] and, if `qacc` is given, acceleration [m/s2].
     `qpos`, `qvel`, `qacc` have the shape (N, nq).
     """
-    given = [qpos, qvel] if qacc is None else [qpos, qvel, qacc]
-    joints = np.stack([np.asarray(value, dtype=float) for value in given])
+    orders = [qpos, qvel] if qacc is None else [qpos, qvel, qacc]
+    joints = np.stack([np.asarray(value, dtype=float) for value in orders])
     motion = {name: joints[..., column] for column, name in enumerate(joint_names(rig))}
     place: dict[str, Array] = {}
     world: dict[str, Array] = {}
@@ -148,10 +151,13 @@ def coordinates(rig: Rig, model: Any, state: HasState) -> tuple[dict[str, Array]
 
     Parameters
     ----------
-        rig: the description.
-        model: its MuJoCo model.
-        state: anything with `qpos` (N, nq) and `qvel` (N, nv): a `State`, mujoco.MjData,
-            mujoco.batch.Batch.
+    rig
+        The description.
+    model
+        Its MuJoCo model.
+    state
+        Anything with `qpos` (N, nq) and `qvel` (N, nv): a `State`, mujoco.MjData,
+        mujoco.batch.Batch.
 
     Raises
     ------
@@ -162,20 +168,20 @@ def coordinates(rig: Rig, model: Any, state: HasState) -> tuple[dict[str, Array]
     motion = points(rig, state.qpos, state.qvel)
     joints = np.stack([np.asarray(state.qpos), np.asarray(state.qvel)])
     column = {name: joints[..., index] for index, name in enumerate(joint_names(rig))}
-    found: dict[str, Array] = {frame.coordinate: column[frame.coordinate] for frame in rig.frames}
+    motions: dict[str, Array] = {frame.coordinate: column[frame.coordinate] for frame in rig.frames}
     for link in links(rig):
         if isinstance(link.part, Trolley):
             terms = link.sums or ((link.part.coordinate, 1.0),)
-            found[link.part.coordinate] = np.asarray(sum(f * column[name] for name, f in terms))
+            motions[link.part.coordinate] = np.asarray(sum(f * column[name] for name, f in terms))
     for rope, length in rope_lengths(rig, motion).items():
-        found[f"{rope}.length"] = length
+        motions[f"{rope}.length"] = length
     for part in rig.hanging:
         for axis in rig.axes:
-            found[f"{part.name}.{axis}"] = motion[part.name][..., "xyz".index(axis)]
+            motions[f"{part.name}.{axis}"] = motion[part.name][..., "xyz".index(axis)]
     for platform in rig.platforms:
-        found |= {name: column[name] for name in platform.angles}
-    values = {name: found[name][0].copy() for name in rig.coordinate_names}
-    return values, {name: found[name][1].copy() for name in rig.coordinate_names}
+        motions |= {name: column[name] for name in platform.angles}
+    values = {name: motions[name][0].copy() for name in rig.coordinate_names}
+    return values, {name: motions[name][1].copy() for name in rig.coordinate_names}
 
 
 def paid_out(
@@ -190,20 +196,20 @@ def paid_out(
     ModelError
         A spool has paid out more than it holds, and the model is no longer true.
     """
-    given = [qpos, qvel] if qacc is None else [qpos, qvel, qacc]
-    joints = np.stack([np.asarray(value, dtype=float) for value in given])
+    orders = [qpos, qvel] if qacc is None else [qpos, qvel, qacc]
+    joints = np.stack([np.asarray(value, dtype=float) for value in orders])
     first = len(joint_names(rig))
     if joints.shape[-1] == first:
         return rope_lengths(rig, points(rig, qpos, qvel, qacc))
-    found = {rope.name: joints[..., first + i] for i, rope in enumerate(rig.ropes)}
+    lengths = {rope.name: joints[..., first + i] for i, rope in enumerate(rig.ropes)}
     for rope in rig.ropes:
-        most = found[rope.name][0].max(initial=0.0)
+        most = lengths[rope.name][0].max(initial=0.0)
         if most >= reach(rig, rope):
             raise ModelError(
                 f"rope {rope.name}: {most:.4g} m are paid out, its spool holds "
                 f"{reach(rig, rope):.4g} m; hold the winch, or make the rope longer at home"
             )
-    return found
+    return lengths
 
 
 def tensions(
@@ -222,21 +228,25 @@ def tensions(
 
     Parameters
     ----------
-        rig: the description.
-        qpos, qvel, qacc: joint positions, velocities and accelerations, (N, nv).
-        ctrl: inputs, (N, drives), in the order of `rig.drives`.
-        friction: forces of friction, (N, ropes) or a number [N].
+    rig
+        The description.
+    qpos, qvel, qacc
+        Joint positions, velocities and accelerations, (N, nv).
+    ctrl
+        Inputs, (N, drives), in the order of `rig.drives`.
+    friction
+        Forces of friction, (N, ropes) or a number [N].
     """
     lengths = paid_out(rig, qpos, qvel, qacc)
     inputs = np.asarray(ctrl, dtype=float)
     columns = {drive.on: index for index, drive in enumerate(rig.drives)}
-    found = []
+    pulls = []
     for rope in rig.ropes:
         pull = rope.inertia_along * lengths[rope.name][2]
         if rope.name in columns:
             pull = pull - inputs[..., columns[rope.name]] / rope.drum_radius
-        found.append(pull)
-    along: Array = np.stack(found, axis=-1) - np.asarray(friction, dtype=float)
+        pulls.append(pull)
+    along: Array = np.stack(pulls, axis=-1) - np.asarray(friction, dtype=float)
     return along
 
 

@@ -36,10 +36,11 @@ KINDS = ("rigid", "elastic", "slack")
 """What ropes may be."""
 
 EA = 1e7
-"""Of an elastic rope if nothing is said [N]: a steel wire rope 16 mm thick."""
+"""Young's modulus times cross section of an elastic rope if no stiffness is given [N]: that of a
+steel wire rope 16 mm thick."""
 
 DAMPING_RATIO = 0.02
-"""Of an elastic rope if nothing is said."""
+"""Damping over the critical one of an elastic rope if none is given."""
 
 REACH = 100.0
 """Rope on a spool over its length at home, which counts as one metre at least."""
@@ -61,11 +62,11 @@ class Ropes:
     kind: str = "rigid"
     """One of `KINDS`."""
     stiffness: PerRope | None = None
-    """k [N/m]; not together with `ea`."""
+    """Stiffness k of the ropes [N/m]; not together with `ea`."""
     ea: PerRope | None = None
     """Young's modulus times cross section [N], from which k = EA/L with the length L at home."""
     damping: PerRope | None = None
-    """c [N s/m]; not together with `damping_ratio`."""
+    """Damping c of elastic ropes [N s/m]; not together with `damping_ratio`."""
     damping_ratio: PerRope | None = None
     """Damping over the critical one of each rope by itself, at home."""
 

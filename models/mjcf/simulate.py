@@ -101,7 +101,7 @@ def accelerations(
     position = np.atleast_2d(np.asarray(qpos, dtype=float))
     batch = Batch(model, nsim=len(position), nthread=1)
     batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
-    found = batch.bind("qacc")
+    qacc = batch.bind("qacc")
     batch.qpos = position
     batch.qvel = np.atleast_2d(np.asarray(qvel, dtype=float))
     batch.ctrl = np.atleast_2d(np.asarray(ctrl, dtype=float))
@@ -109,4 +109,4 @@ def accelerations(
     if batch.warning.any():
         sample = int(batch.warning.reshape(len(position), -1).any(axis=1).argmax())
         raise ModelError(f"state {sample} or its inputs are beyond what MuJoCo takes (1e10)")
-    return np.array(found)
+    return np.array(qacc)

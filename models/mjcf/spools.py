@@ -22,13 +22,15 @@ from .rigging import lay, tidy
 from .ropes import Ropes, home_length, reach, spool, stiffness, stretch_of
 
 BODY_MASS = 1e-12
-"""Of a spool besides its armature [kg]; MuJoCo needs some on every body."""
+"""Mass of a spool's body besides its armature [kg]; MuJoCo needs some on every body."""
 
 LIMIT_STEPS = 4.0
-"""Time constant of a rope's limit in time steps; half of it is MuJoCo's least, but noisier."""
+"""Time constant of a rope's limit in time steps.  With half of it, MuJoCo's least, a load ends
+three times nearer (4e-6 m against 1e-5 m at 1 ms), but tensions are three times as noisy."""
 
 IMPEDANCE = 0.9999
-"""Of a rope's limit: how much of a violation's acceleration is removed."""
+"""Share of a violation's acceleration that a rope's limit removes.  With MuJoCo's defaults,
+of time constant and share, a crane's rope gives way by 4 mm, with these by 0.1 mm at 1 ms."""
 
 
 def add(scene: mujoco.MjSpec, rig: Rig, ropes: Ropes) -> list[float]:

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from math import cos, sin
 
 MASSES = (0.04325, 0.00365, 0.02373, 0.00706, 0.07050, 0.00706, 0.05498)
-"""Of K1 to K7 [kg]."""
+"""Masses of K1 to K7 [kg]."""
 INERTIAS = (2.194e-6, 4.410e-7, 5.255e-6, 5.667e-7, 1.169e-5, 5.667e-7, 1.912e-5)
-"""About the centres of mass [kg m^2]."""
+"""Moments of inertia of K1 to K7 about their centres of mass [kg m2]."""
 ANGLES = ("beta", "Theta", "gamma", "Phi", "delta", "Omega", "epsilon")
 """The test set's coordinates: absolute for K1, K3, K5, K7, against K1, K5, K7 for K2, K4, K6."""
 START = (
@@ -31,7 +31,7 @@ START = (
 )
 """The angles at rest at t = 0 [rad]."""
 DURATION = 0.03
-"""Of the published run [s]."""
+"""Duration of the published run [s]."""
 PUBLISHED = (
     15.81077119629904,
     -15.75637105984298,
@@ -43,11 +43,11 @@ PUBLISHED = (
 )
 """The angles at t = 0.03 s [rad], good to about nine digits."""
 PUBLISHED_ACCURACY = 3e-9
-"""Of beta [rad]."""
+"""How well the published beta is known [rad]."""
 TORQUE = 0.033
-"""Of the motor on K1 [N m]."""
+"""Torque of the motor on K1 [N m]."""
 STIFFNESS, REST_LENGTH = 4530.0, 0.07785
-"""Of the spring between C and D [N/m], [m]."""
+"""Stiffness and rest length of the spring between C and D [N/m, m]."""
 PIVOT_A, PIVOT_B, ANCHOR_C = (-0.06934, -0.00227), (-0.03635, 0.03273), (0.014, 0.072)
 """Fixed points [m]; the motor stands at the origin."""
 
@@ -59,11 +59,11 @@ class Link:
     parent: int | None
     """The body that it turns against; None is the ground."""
     joint: tuple[float, float]
-    """Where it turns, in the parent's axes."""
+    """Where it turns, in the parent's axes [m]."""
     centre: tuple[float, float]
-    """Its centre of mass."""
+    """Its centre of mass [m]."""
     ends: dict[str, tuple[float, float]]
-    """Its other joints."""
+    """Its other joints by name [m]."""
 
 
 LINKS = (
@@ -103,7 +103,8 @@ def scene(timestep: float, integrator: str = "RK4") -> str:
     Parameters
     ----------
     timestep
-        [s]; the closures' time constant is two of them, the stiffest that MuJoCo keeps stable.
+        Time step [s].  The closures' time constant is two of them, the stiffest that MuJoCo keeps
+        stable; with its defaults, beta ends several radians off.
     integrator
         One of MuJoCo's.
     """
@@ -157,11 +158,11 @@ def joint_names() -> tuple[str, ...]:
 
 
 def _depth_first(parent: int | None = None) -> list[int]:
-    found = []
+    order = []
     for i, link in enumerate(LINKS):
         if link.parent == parent:
-            found += [i, *_depth_first(i)]
-    return found
+            order += [i, *_depth_first(i)]
+    return order
 
 
 def _body(i: int, indent: int) -> str:

@@ -1,0 +1,62 @@
+"""The home keyframe of a rig's model: the inputs, and the stretch of ropes, that hold it there."""
+
+import mujoco
+import numpy as np
+
+from ..errors import ModelError
+from ..rig.rig import Rig
+from ..types import Array
+from . import spools
+from .armature import tendon_jacobian
+from .ropes import Ropes, stretch_of, stretches
+
+
+def compile_at_rest(scene: mujoco.MjSpec, rig: Rig, ropes: Ropes) -> mujoco.MjModel:
+    """Compile a scene and put into it, and into the model, what keeps the rig at rest at home.
+
+    The inputs, the stretch and the damping of ropes follow from the compiled model.  They change
+    nothing else in it, so that one compilation is enough.
+
+    Raises
+    ------
+    ModelError
+        MuJoCo refuses the model.
+    """
+    try:
+        model = scene.compile()
+    except (ValueError, mujoco.FatalError) as error:
+        reason = " ".join(str(error).split())
+        raise ModelError(f"MuJoCo refuses the model of rig {rig.name}: {reason}") from None
+    tendons = [stretch_of(rope) for rope in rig.ropes] if ropes.spooled else []
+    inputs, tensions_at_rest = _holding_inputs(model, tendons)
+    home = model.key_qpos[0].copy()
+    if ropes.spooled:
+        spools.settle(scene, rig, ropes, model)  # while the keyframe's ropes are unstretched
+        home[-len(tendons) :] -= stretches(rig, model, tensions_at_rest)
+    scene.key("home").qpos = model.key_qpos[0] = home
+    scene.key("home").ctrl = model.key_ctrl[0] = inputs
+    return model
+
+
+def _holding_inputs(model: mujoco.MjModel, tendons: list[str]) -> tuple[Array, Array]:
+    """Inputs (drives,), and tensions of some tendons, that keep the first keyframe at rest.
+
+    Where none do, those that come nearest (least squares).
+    """
+    data = mujoco.MjData(model)
+    data.qpos[:] = model.key_qpos[0]
+    mujoco.mj_forward(model, data)
+    effect = np.zeros((model.nv, model.nu + len(tendons)))
+    jacobian = tendon_jacobian(model, data)
+    for index in range(model.nu):
+        target = model.actuator_trnid[index, 0]
+        column = np.eye(model.nv)[model.jnt_dofadr[target]]
+        if model.actuator_trntype[index] == mujoco.mjtTrn.mjTRN_TENDON:
+            column = jacobian[target]
+        effect[:, index] = model.actuator_gear[index, 0] * column
+    for column, name in enumerate(tendons, start=model.nu):
+        effect[:, column] = -jacobian[model.tendon(name).id]
+    forces = np.linalg.lstsq(effect, data.qfrc_bias, rcond=None)[0]
+    # to nine decimals, so that exported scenes are the same on every machine; + 0.0 turns -0 to 0
+    rounded = np.array([round(float(value), 9) + 0.0 for value in forces])
+    return rounded[: model.nu], rounded[model.nu :]
