@@ -20,3 +20,8 @@ def console() -> Console:
 def warning(text: str) -> Text:
     """Text to catch the eye."""
     return Text(text, style="bold red")
+
+
+def verdict(good: bool) -> str | Text:
+    """Cell of a table of goals: empty where the goal is reached."""
+    return "" if good else warning("missed")

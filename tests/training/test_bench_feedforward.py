@@ -15,12 +15,13 @@ from flatrig.training.bench import error_against_time as bench_feedforward
 from flatrig.training.bench import speed as bench
 from flatrig.training.bench import trial_tables as bench_tables
 from flatrig.training.bench import trials as bench_runs
-from flatrig.training.bench.peers import PEERS, Peer, PeerError, Problem
+from flatrig.training.bench.peers import PEERS, IndexOneProblem, Peer, PeerError
+from flatrig.training.bench.smooth_moves import cases
 from flatrig.training.bench.trials import EXACT, Run, Unit
 from flatrig.training.cli import main
 
 ALGEBRAIC = "minimal extension, twice"
-OVERHEAD = bench_runs.CASES["overhead_crane"]
+OVERHEAD = cases()["overhead_crane"]
 
 
 @pytest.fixture(autouse=True)
@@ -55,8 +56,8 @@ def test_inputs_count_over_their_largest_value():
 
 def test_paths_are_smooth_and_feasible():
     """With kinks in the inputs every scheme would be of order 1, and slack ropes mean nothing."""
-    assert set(models.CATALOGUE) < set(bench_runs.CASES)
-    for case in bench_runs.CASES.values():
+    assert set(models.CATALOGUE) < set(cases())
+    for case in cases().values():
         assert case.move.order >= feedforward.analyse(case.rig).reference_order + 4
     assert feedforward.check(OVERHEAD.rig, OVERHEAD.reference).feasible
 
@@ -125,16 +126,16 @@ def test_peers_solve_the_same_problem(name: str, peer: Peer):
 
 
 def test_peers_get_equations_that_the_exact_solution_satisfies():
-    problem = Problem(OVERHEAD.rig, OVERHEAD.reference)
+    problem = IndexOneProblem(OVERHEAD.rig, OVERHEAD.reference)
     span = (0.0, OVERHEAD.reference.duration)
     found = bench_runs.BY_NAME["scipy DOP853"].prepare(problem, 1e-9)()
     assert (found.times[0], found.times[-1]) == span
     for t, z in zip(found.times, found.unknowns, strict=True):
-        assert np.abs(problem.residual(problem.given(t)[:, 0], z)).max() < 1e-4
+        assert np.abs(problem.residual(problem.targets(t)[:, 0], z)).max() < 1e-4
 
 
 def test_peer_that_gives_up_is_a_failure():
-    def prepare(problem: Problem, tolerance: float):
+    def prepare(problem: IndexOneProblem, tolerance: float):
         raise PeerError("too stiff")
 
     bench = Unit("overhead_crane", "lazy", ())
@@ -155,7 +156,7 @@ def test_units_are_cut_to_what_is_asked_for():
         return {unit.name for unit in bench_feedforward.units(options.Bench(**chosen))}
 
     every = bench_feedforward.units(options.Bench())
-    assert {unit.case for unit in every} == set(bench_runs.CASES)
+    assert {unit.case for unit in every} == set(cases())
     assert names() == {EXACT, *feedforward.dae.FORMULATIONS, *bench_runs.BY_NAME}
     assert names(formulation=("direct",)) == {EXACT, "direct"}
     assert names(scheme=("scipy Radau",)) == {EXACT, "scipy Radau"}

@@ -13,13 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from rich.table import Table
-from rich.text import Text
 
 from ...feedforward import analyse, from_move
 from ...models import CATALOGUE, Move, Rig, default_move, make
 from ...models.rig.manipulators import MANIPULATOR_MOVES
 from .. import options
-from ..console import console, warning
+from ..console import console, verdict
 from ..simulate.open_loop import open_loop
 from ..tables import table
 
@@ -94,11 +93,11 @@ def accuracy_table() -> Table:
         run = open_loop(case.rig, from_move(case.move))
         end, most = float(run.distance[-1]), float(run.distance.max())
         tension = float(np.abs(run.tensions() - run.motion.tensions).max())
-        good = end <= (case.arrival or np.inf) and most <= (case.largest or np.inf)
+        reached = end <= (case.arrival or np.inf) and most <= (case.largest or np.inf)
         lines.add_row(
             case.label, f"{run.times[-1]:g}", f"{end:.1e}", _goal(case.arrival),
             f"{most:.1e}", _goal(case.largest), f"{tension:.1e}", _goal(TENSION_GOAL),
-            _verdict(good and tension <= TENSION_GOAL),
+            verdict(reached and tension <= TENSION_GOAL),
         )  # fmt: skip
     return lines
 
@@ -123,14 +122,10 @@ def massless_table() -> Table:
         for (mass, step), distance, ratio in zip(STAND_INS, distances, ratios, strict=True):
             lines.add_row(
                 name, f"{mass:g}", f"{1e3 * step:g}", f"{distance:.1e}", f"{ratio:.2g}",
-                _verdict(1 / PROPORTION <= ratio / usual <= PROPORTION),
+                verdict(1 / PROPORTION <= ratio / usual <= PROPORTION),
             )  # fmt: skip
     return lines
 
 
 def _goal(value: float | None) -> str:
     return "" if value is None else f"<= {value:g}"
-
-
-def _verdict(good: bool) -> str | Text:
-    return "" if good else warning("missed")

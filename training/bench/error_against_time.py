@@ -26,9 +26,11 @@ from ..jobs import Jobs, Processes
 from ..tables import write_csv
 from . import trial_figures, trial_tables
 from .peers import PEERS
-from .trials import BY_NAME, CASES, EXACT, Run, Unit
+from .smooth_moves import cases
+from .trials import BY_NAME, EXACT, Run, Unit
 
 FOLDER = "results/bench"
+"""Where CSV and figures go, if nothing else is said."""
 ONE_RIG, ONE_FORMULATION = "rotary_crane", "minimal extension"
 """What the single figure shows, if nothing else is said."""
 
@@ -43,25 +45,25 @@ def main(command: options.Bench) -> None:
     chosen = [unit for unit in chosen if unit.name not in BY_NAME or BY_NAME[unit.name].present]
     folder = Path(command.output or FOLDER)
     runs = measure(chosen, None if picture else folder, command.resume, command.processes)
-    cases = list(dict.fromkeys(run.case for run in runs))
+    labels = list(dict.fromkeys(run.case for run in runs))
     if picture:
-        trial_figures.one(folder, runs, chosen[0].case, _formulation(chosen))
+        trial_figures.formulation(folder, runs, chosen[0].case, _formulation(chosen))
         out.print(trial_tables.of_case(chosen[0].case, runs))
         out.print(f"wrote {folder}", soft_wrap=True)
         return
-    for case in cases:
-        out.print(trial_tables.of_case(case, runs))
+    for label in labels:
+        out.print(trial_tables.of_case(label, runs))
     written = [folder / "runs.csv", folder / "orders.csv"]
     write_csv(written[0], [field.name for field in fields(Run)], map(astuple, runs), ".6g")
     orders = (row.values() for row in trial_tables.orders(runs))
     write_csv(written[1], trial_tables.ORDERS, orders, ".6g")
-    for case in cases:
-        written.append(folder / f"{case.replace(', ', '_')}.png")
-        trial_figures.case(written[-1], runs, case)
+    for label in labels:
+        written.append(folder / f"{label.replace(', ', '_')}.png")
+        trial_figures.case(written[-1], runs, label)
     for comparison in trial_tables.against_exact(runs):
         out.print(comparison)
     if not command.formulation and not command.scheme:
-        out.print(trial_tables.along_catalogue_moves(cases))
+        out.print(trial_tables.along_catalogue_moves(labels))
         if not command.rig:
             out.print(trial_tables.at_printed_steps())
     for path in written:
@@ -76,20 +78,21 @@ def units(command: options.Bench, picture: bool = False) -> list[Unit]:
     RigError, OptionError
         A name means nothing.
     """
-    wanted = command.rig or ((ONE_RIG,) if picture else ())
-    names = {full_name(name) for name in wanted}
-    cases = [label for label, case in CASES.items() if not names or case.name in names]
+    rigs = {full_name(name) for name in command.rig or ((ONE_RIG,) if picture else ())}
+    labels = [label for label, case in cases().items() if not rigs or case.name in rigs]
     known = (*dae.SCHEMES, *BY_NAME)
     chosen = [_known("scheme", name, known) for name in command.scheme] or list(known)
     schemes = tuple(name for name in chosen if name in dae.SCHEMES)
     formulations = [_known("formulation", name, dae.FORMULATIONS) for name in command.formulation]
     peers = [name for name in chosen if name in BY_NAME]
     if picture:
-        cases, formulations = cases[:1], formulations[:1] or [ONE_FORMULATION]
+        labels, formulations = labels[:1], formulations[:1] or [ONE_FORMULATION]
     elif formulations and not command.scheme:
         peers = []
     formulations = (formulations or list(dae.FORMULATIONS)) if schemes else []
-    return [Unit(case, name, schemes) for case in cases for name in (EXACT, *formulations, *peers)]
+    return [
+        Unit(label, name, schemes) for label in labels for name in (EXACT, *formulations, *peers)
+    ]
 
 
 def _known(what: str, name: str, known: Iterable[str]) -> str:
@@ -104,8 +107,8 @@ def _formulation(chosen: Sequence[Unit]) -> str:
 
 def absent(chosen: Iterable[Unit]) -> list[str]:
     """Peers that are asked for and not installed."""
-    asked = {unit.name for unit in chosen}
-    return [peer.name for peer in PEERS if peer.name in asked and not peer.present]
+    names = {unit.name for unit in chosen}
+    return [peer.name for peer in PEERS if peer.name in names and not peer.present]
 
 
 def measure(
@@ -124,6 +127,6 @@ def measure(
         file=None if folder is None else folder / "progress.jsonl",
         resume=resume,
         decode=lambda runs: [Run(**run) for run in runs],
-        identity=lambda unit: (unit, CASES[unit.case].rig, CASES[unit.case].move),
+        identity=lambda unit: (unit, cases()[unit.case].rig, cases()[unit.case].move),
     )
     return [run for runs in jobs.values(chosen) for run in runs]

@@ -66,7 +66,7 @@ def main(_: options.Lean) -> None:
 def used(model: mujoco.MjModel) -> set[str]:
     """Features of MuJoCo that the model's parts call for, switched on or not."""
     solid = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
-    wanted = {
+    needs = {
         "contact": solid.any() or model.npair > 0,
         "equality": model.neq > 0,
         "frictionloss": model.dof_frictionloss.any() or model.tendon_frictionloss.any(),
@@ -76,7 +76,7 @@ def used(model: mujoco.MjModel) -> set[str]:
         "sensor": model.nsensor > 0,
         "clamping": model.actuator_ctrllimited.any(),
     }
-    return {name for name, needed in wanted.items() if needed}
+    return {name for name, needed in needs.items() if needed}
 
 
 def on(model: mujoco.MjModel) -> set[str]:
@@ -138,9 +138,9 @@ def _step_time(model: mujoco.MjModel, data: mujoco.MjData) -> float:
 def _left_out(model: mujoco.MjModel) -> str:
     """Looks if there are none, and the constraints that are switched off."""
     active = on(model).intersection(CONSTRAINTS)
-    off = [name for name in CONSTRAINTS if name not in active]
+    absent = [name for name in CONSTRAINTS if name not in active]
     if len(active) == 1:
-        off = [f"all but {next(iter(active))}"]
+        absent = [f"all but {next(iter(active))}"]
     elif not active:
-        off = ["constraints"]
-    return ", ".join(off if any(_looks(model).values()) else ["looks", *off])
+        absent = ["constraints"]
+    return ", ".join(absent if any(_looks(model).values()) else ["looks", *absent])

@@ -5,7 +5,7 @@ often as they need, F(t, z) = 0 of index 1 (`feedforward.dae.repeated`), in one 
 
 - `F = 0`: as it stands.  Nothing is left to integrate; a multistep code becomes a predictor with
   error control and Newton's method, and z holds the inputs themselves,
-- `ODE`: differentiated once more, z' = -F_z^-1 F_t.  Any code for ordinary differential equations
+- `ODE`: differentiated once extra, z' = -F_z^-1 F_t.  Any code for ordinary differential equations
   solves it; nothing pulls a solution back to F = 0.
 
 F is evaluated by the same Python functions that flatrig's own schemes call; CasADi gets it as
@@ -35,7 +35,9 @@ from ...models import Rig
 from ...models.types import Array
 
 TIMES = {1: "minimal extension", 2: "minimal extension, twice", 3: "minimal extension, three times"}
+"""Formulation of index 1 by the times that minimal extension is made."""
 MOST_STEPS = 20_000
+"""A code of SUNDIALS' that takes more steps from one asked instant to the next gives up."""
 OUTPUTS = 200
 """Instants at which IDAS is asked for its solution: it does not tell its own steps."""
 DEGREE, FITTED = 24, 1e-11
@@ -50,60 +52,63 @@ class Solved(NamedTuple):
     """A peer's solution."""
 
     times: Array
-    """[s], shape (N,)."""
+    """Instants [s], shape (N,)."""
     unknowns: Array
-    """Shape (N, unknowns)."""
+    """Coordinates, their derivatives and inputs at the instants, shape (N, unknowns)."""
     steps: int
+    """Number of steps that the peer took."""
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class IndexOneProblem:
     """F(t, z) = 0 of index 1 for a rig along a reference."""
 
     rig: Rig
+    """The crane."""
     reference: Reference
+    """Path of its outputs."""
 
     @cached_property
     def name(self) -> str:
-        """Of the formulation."""
+        """Name of the formulation: minimal extension as often as the index needs."""
         return TIMES[(analyse(self.rig).index - 1) // 2]
 
     @cached_property
     def equations(self) -> Repeated:
-        """The formulation."""
+        """Equations of that formulation."""
         equations = formulation(self.rig, self.name)
         assert isinstance(equations, Repeated)
         return equations
 
     @cached_property
     def start(self) -> Array:
-        """The unknowns at rest."""
+        """The unknowns z at rest where the path begins, shape (unknowns,)."""
         return at_rest(self.equations, self.reference)
 
-    def given(self, times: Array | float, more: int = 0) -> Array:
-        """What is prescribed, with derivatives, shape (derivatives + 1 + more, N, a)."""
+    def targets(self, times: Array | float, extra: int = 0) -> Array:
+        """Prescribed values and derivatives, shape (derivatives + 1 + extra, N, a)."""
         equations = self.equations
         coordinates = equations.mechanics.coordinates
         instants = np.clip(np.atleast_1d(times), 0.0, self.reference.duration)
-        return prescribed(coordinates, self.reference, instants, equations.derivatives + more)
+        return prescribed(coordinates, self.reference, instants, equations.derivatives + extra)
 
-    def residual(self, given: Array, z: Array) -> Array:
-        """F at prescribed values (derivatives + 1, a)."""
+    def residual(self, targets: Array, z: Array) -> Array:
+        """F at prescribed values (derivatives + 1, a), shape (unknowns,)."""
         still = np.zeros_like(z)
-        return self.equations.evaluate(given, z, still, still, False).residual
+        return self.equations.evaluate(targets, z, still, still, False).residual
 
-    def slope(self, given: Array, z: Array) -> Array:
-        """F_z."""
+    def slope(self, targets: Array, z: Array) -> Array:
+        """F_z, shape (unknowns, unknowns)."""
         still = np.zeros_like(z)
-        jacobian = self.equations.evaluate(given, z, still, still, True).jacobian
+        jacobian = self.equations.evaluate(targets, z, still, still, True).jacobian
         assert jacobian is not None
         return np.asarray(jacobian[0])
 
     def rate(self, t: float, z: Array) -> Array:
-        """The ODE's z' = -F_z^-1 F_t; F is affine in what is prescribed."""
-        given = self.given(t, 1)[:, 0]
-        along = self.residual(given[1:], z) - self.residual(np.zeros_like(given[1:]), z)
-        return np.asarray(np.linalg.solve(self.slope(given[:-1], z), -along), dtype=np.float64)
+        """The ODE's z' = -F_z^-1 F_t, shape (unknowns,); F is affine in what is prescribed."""
+        targets = self.targets(t, 1)[:, 0]
+        along = self.residual(targets[1:], z) - self.residual(np.zeros_like(targets[1:]), z)
+        return np.asarray(np.linalg.solve(self.slope(targets[:-1], z), -along), dtype=np.float64)
 
     def motion(self, solved: Solved) -> Motion:
         """The solution as a motion; velocities and accelerations among the unknowns."""
@@ -113,6 +118,8 @@ class Problem:
 
 
 Run = Callable[[], Solved]
+Prepare = Callable[[IndexOneProblem, float], Run]
+"""Makes what is to be timed, from a problem and a tolerance; raises PeerError."""
 
 
 @dataclass(frozen=True)
@@ -120,12 +127,13 @@ class Peer:
     """Another's integrator."""
 
     name: str
+    """Name in tables and for `--scheme`."""
     package: str
     """Module that it needs."""
     form: str
-    """"F = 0" or "ODE"."""
-    prepare: Callable[[Problem, float], Run]
-    """What is to be timed, for a problem and a tolerance; raises PeerError."""
+    """Form of the equations that it gets, "F = 0" or "ODE"."""
+    prepare: Prepare
+    """Makes what is to be timed."""
 
     @property
     def present(self) -> bool:
@@ -133,8 +141,8 @@ class Peer:
         return importlib.util.find_spec(self.package) is not None
 
 
-def _scipy(method: str) -> Callable[[Problem, float], Run]:
-    def prepare(problem: Problem, tolerance: float) -> Run:
+def _scipy(method: str) -> Prepare:
+    def prepare(problem: IndexOneProblem, tolerance: float) -> Run:
         from scipy.integrate import solve_ivp
 
         def run() -> Solved:
@@ -154,16 +162,16 @@ def _scipy(method: str) -> Callable[[Problem, float], Run]:
     return prepare
 
 
-def _ida(problem: Problem, tolerance: float) -> Run:
+def _ida(problem: IndexOneProblem, tolerance: float) -> Run:
     from sksundae.ida import IDA
 
     start = problem.start
 
     def residual(t: float, z: Array, zd: Array, out: Array) -> None:
-        out[:] = problem.residual(problem.given(t)[:, 0], z)
+        out[:] = problem.residual(problem.targets(t)[:, 0], z)
 
     def jacobian(t: float, z: Array, zd: Array, out: Array, slope: float, matrix: Array) -> None:
-        matrix[:] = problem.slope(problem.given(t)[:, 0], z)
+        matrix[:] = problem.slope(problem.targets(t)[:, 0], z)
 
     def run() -> Solved:
         solver = IDA(
@@ -180,7 +188,7 @@ def _ida(problem: Problem, tolerance: float) -> Run:
     return run
 
 
-def _idas(problem: Problem, tolerance: float) -> Run:
+def _idas(problem: IndexOneProblem, tolerance: float) -> Run:
     import casadi
 
     z = casadi.SX.sym("z", len(problem.start))
@@ -207,7 +215,7 @@ def _last_words(error: RuntimeError) -> str:
     return str(error).strip().splitlines()[-1].rpartition(": ")[2] or "no solution"
 
 
-def _symbols(problem: Problem, casadi: Any, time: Any, z: Any) -> Any:
+def _symbols(problem: IndexOneProblem, casadi: Any, time: Any, z: Any) -> Any:
     """F as symbols: monomials in z less polynomials in time."""
     terms, zero = problem.equations.terms, np.zeros_like(problem.start)
     residual = [casadi.SX(float(c)) for c in terms.constant]
@@ -217,9 +225,9 @@ def _symbols(problem: Problem, casadi: Any, time: Any, z: Any) -> Any:
     for i, j, k, factor in terms.quadratic.T:
         residual[int(i)] += factor * known[int(j)] * known[int(k)]
     nodes = 0.5 * problem.reference.duration * (1.0 - np.cos(np.linspace(0.0, np.pi, 4 * DEGREE)))
-    given = problem.given(nodes)
+    targets = problem.targets(nodes)
     for i, order, column in terms.servo.T.astype(int):
-        residual[i] -= _polynomial(nodes, given[order, :, column], casadi, time)
+        residual[i] -= _polynomial(nodes, targets[order, :, column], casadi, time)
     return casadi.vertcat(*residual)
 
 
@@ -250,4 +258,4 @@ PEERS: tuple[Peer, ...] = (
     Peer("scipy Radau", "scipy", "ODE", _scipy("Radau")),
     Peer("scipy DOP853", "scipy", "ODE", _scipy("DOP853")),
 )
-"""Those that are asked for."""
+"""The integrators that the bench compares with."""

@@ -20,7 +20,7 @@ from ...models.hand.catalogue import HAND_CATALOGUE, default_hand_move, full_han
 from ...models.looks.render import frames, save_animation
 from ...models.mjcf.hand_model import MUJOCO_DEFAULTS, RECOMMENDED, ContactSettings, compile_hand
 from .. import options
-from ..console import console, warning
+from ..console import console, verdict, warning
 from ..simulate.hand_runs import HandRun, Track, run_track
 from ..tables import table
 
@@ -48,8 +48,11 @@ class Case:
     """A hand, its motion, and the goal for its slip."""
 
     name: str
+    """Name of the hand."""
     plan: HandPlan
+    """Its motion, once along."""
     slip: float
+    """Goal for the slip ratio."""
 
     @classmethod
     def of(cls, name: str) -> "Case":
@@ -142,12 +145,12 @@ def rolling_table(cases: Iterable[Case]) -> Table:
                 lines.add_row(case.words, label, *("",) * 8, warning(str(error)))
                 continue
             log, off = run.log, float(np.degrees(run.turned[-1]))
-            good = log.slip_ratio <= case.slip and run.distance[-1] <= AWAY and off <= TURNED
+            reached = log.slip_ratio <= case.slip and run.distance[-1] <= AWAY and off <= TURNED
             lines.add_row(
                 case.words, label, f"{log.rolled.max():.3f}", f"{log.slip_ratio:.1e}",
                 f"<= {case.slip:g}", f"{log.spun.max():.2g}", f"{1e6 * log.penetration:.1f}",
                 f"{log.friction_use:.2f}", f"{1e3 * run.distance[-1]:.3f}", f"{off:.3f}",
-                _verdict(run, good),
+                _verdict(run, reached),
             )  # fmt: skip
     return lines
 
@@ -165,8 +168,8 @@ def holding_table(cases: Iterable[Case]) -> Table:
             else f"{1e3 * run.distance.max():.4f}"
             for run, settings in zip(runs, GRASPS.values(), strict=True)
         ]  # fmt: skip
-        good = runs[0].distance.max() <= CREEP
-        lines.add_row(case.words, f"<= {1e3 * CREEP:g}", *cells, _verdict(runs[0], good))
+        reached = runs[0].distance.max() <= CREEP
+        lines.add_row(case.words, f"<= {1e3 * CREEP:g}", *cells, _verdict(runs[0], reached))
     return lines
 
 
@@ -185,7 +188,7 @@ def condim_table(cases: Iterable[Case]) -> Table:
     return lines
 
 
-def _verdict(run: HandRun, good: bool) -> str | Text:
+def _verdict(run: HandRun, reached: bool) -> str | Text:
     if run.lost:
         return warning(f"{run.lost} lost at {run.log.seconds:.2g} s")
-    return "" if good else warning("missed")
+    return verdict(reached)

@@ -14,7 +14,6 @@ from functools import partial
 
 import numpy as np
 from rich.table import Table
-from rich.text import Text
 
 from ... import models
 from ...feedforward import Reference, from_move, solve
@@ -25,11 +24,12 @@ from ...models import Rig, default_move
 from ...models.errors import OptionError
 from ...models.types import Array
 from .. import options
-from ..console import console, warning
+from ..console import console, verdict
 from ..tables import table
 from .accuracy import accuracy_table
 
 SAMPLES = 3001
+"""Samples of a path whose solution is timed."""
 MEMORY_LIMIT = 200.0
 """Most memory of a solution [MB]."""
 SOLVE_LIMITS = {
@@ -48,6 +48,7 @@ THROUGHPUT_LIMIT = 0.85
 IN_A_ROW = 20
 """Single samples timed at once."""
 ENVIRONMENTS = 64
+"""Environments in a vector."""
 STEPS = 100
 """Control periods timed at once."""
 
@@ -80,24 +81,24 @@ def feedforward_table(repetitions: int) -> Table:
         rig, reference = models.make(name), from_move(default_move(name))
         times = np.linspace(0.0, reference.duration, SAMPLES)
         first = _first(rig, reference, times)
-        many = _Timing.of(partial(solve, rig, reference, times), repetitions)
-        one = _Timing.of(partial(solve, rig, reference, 1.0), repetitions, IN_A_ROW)
+        path = _Timing.of(partial(solve, rig, reference, times), repetitions)
+        sample = _Timing.of(partial(solve, rig, reference, 1.0), repetitions, IN_A_ROW)
         tracemalloc.start()
         solve(rig, reference, times)
         peak = tracemalloc.get_traced_memory()[1] / 1e6
         tracemalloc.stop()
         for count, timing, goal, memory in (
-            (SAMPLES, many, SOLVE_LIMITS.get(name), peak),
-            (1, one, ONE_SAMPLE_LIMITS.get(name), None),
+            (SAMPLES, path, SOLVE_LIMITS.get(name), peak),
+            (1, sample, ONE_SAMPLE_LIMITS.get(name), None),
         ):
-            good = (goal is None or timing.median <= goal) and (memory or 0.0) <= MEMORY_LIMIT
+            reached = (goal is None or timing.median <= goal) and (memory or 0.0) <= MEMORY_LIMIT
             lines.add_row(
                 name, str(count), f"{first:.0f}" if count > 1 else "",
                 f"{timing.best:.2f}", f"{timing.median:.2f}",
                 "" if goal is None else f"<= {goal:g}",
                 "" if memory is None else f"{memory:.1f}",
                 "" if memory is None else f"<= {MEMORY_LIMIT:g}",
-                _verdict(good),
+                verdict(reached),
             )  # fmt: skip
     return lines
 
@@ -118,21 +119,21 @@ def environment_table(repetitions: int) -> Table:
         "", "environment", "plain", "ratio", "goal", "",
     )  # fmt: skip
     for name in ("overhead_crane", "rotary_crane"):
-        ours, theirs = _alternate(*_single(models.make(name)), repetitions)
-        ratio = statistics.median(a / b for a, b in zip(ours, theirs, strict=True))
-        times = (1e6 / STEPS * statistics.median(values) for values in (ours, theirs))
+        timings = _alternate(*_single(models.make(name)), repetitions)
+        ratio = statistics.median(env / plain for env, plain in zip(*timings, strict=True))
+        times = (1e6 / STEPS * statistics.median(seconds) for seconds in timings)
         lines.add_row(
             f"{name}: step against mj_step", *(f"{value:.1f} us" for value in times),
-            f"{ratio:.2f}", f"<= {STEP_LIMIT:g}", _verdict(ratio <= STEP_LIMIT),
+            f"{ratio:.2f}", f"<= {STEP_LIMIT:g}", verdict(ratio <= STEP_LIMIT),
         )  # fmt: skip
     for name in ("overhead_crane", "rotary_crane"):
-        ours, theirs = _alternate(*_vector(models.make(name)), repetitions)
-        ratio = statistics.median(b / a for a, b in zip(ours, theirs, strict=True))
-        speeds = (ENVIRONMENTS * STEPS / statistics.median(values) for values in (ours, theirs))
+        timings = _alternate(*_vector(models.make(name)), repetitions)
+        ratio = statistics.median(plain / env for env, plain in zip(*timings, strict=True))
+        speeds = (ENVIRONMENTS * STEPS / statistics.median(seconds) for seconds in timings)
         lines.add_row(
             f"{name}: {ENVIRONMENTS} in a vector against mujoco.batch",
             *(f"{1e-3 * value:.1f} k/s" for value in speeds),
-            f"{ratio:.2f}", f">= {THROUGHPUT_LIMIT:g}", _verdict(ratio >= THROUGHPUT_LIMIT),
+            f"{ratio:.2f}", f">= {THROUGHPUT_LIMIT:g}", verdict(ratio >= THROUGHPUT_LIMIT),
         )  # fmt: skip
     return lines
 
@@ -151,22 +152,14 @@ def _single(rig: Rig) -> tuple[Callable[[], float], Callable[[], float]]:
     action = inputs / task.limits
     data = mujoco.MjData(plant.model)
 
-    def ours() -> float:
-        env.reset(seed=0)
-        begin = time.perf_counter()
-        for _ in range(STEPS):
-            env.step(action)
-        return time.perf_counter() - begin
+    def plain() -> None:
+        data.ctrl[:] = inputs
+        mujoco.mj_step(plant.model, data, plant.substeps)
 
-    def theirs() -> float:
-        mujoco.mj_resetDataKeyframe(plant.model, data, 0)
-        begin = time.perf_counter()
-        for _ in range(STEPS):
-            data.ctrl[:] = inputs
-            mujoco.mj_step(plant.model, data, plant.substeps)
-        return time.perf_counter() - begin
-
-    return ours, theirs
+    return (
+        _timer(partial(env.reset, seed=0), partial(env.step, action)),
+        _timer(partial(mujoco.mj_resetDataKeyframe, plant.model, data, 0), plain),
+    )
 
 
 def _vector(rig: Rig) -> tuple[Callable[[], float], Callable[[], float]]:
@@ -184,31 +177,39 @@ def _vector(rig: Rig) -> tuple[Callable[[], float], Callable[[], float]]:
     batch = Batch(plant.model, ENVIRONMENTS, plant.batch.nthread)
     ctrl, qpos, home = batch.bind("ctrl"), batch.bind("qpos"), np.array(plant.model.key_qpos[0])
 
-    def ours() -> float:
-        env.reset(seed=0)
-        begin = time.perf_counter()
-        for _ in range(STEPS):
-            env.step(actions)
-        return time.perf_counter() - begin
-
-    def theirs() -> float:
+    def go_home() -> None:
         batch.reset()
         qpos[:] = home
+
+    def plain() -> None:
+        ctrl[:] = inputs
+        batch.step(None, plant.substeps)
+
+    return (
+        _timer(partial(env.reset, seed=0), partial(env.step, actions)),
+        _timer(go_home, plain),
+    )
+
+
+def _timer(reset: Callable[[], object], step: Callable[[], object]) -> Callable[[], float]:
+    """Timer of `STEPS` control periods from the start [s]."""
+
+    def timed() -> float:
+        reset()
         begin = time.perf_counter()
         for _ in range(STEPS):
-            ctrl[:] = inputs
-            batch.step(None, plant.substeps)
+            step()
         return time.perf_counter() - begin
 
-    return ours, theirs
+    return timed
 
 
 def _alternate(
-    one: Callable[[], float], other: Callable[[], float], repetitions: int
+    first: Callable[[], float], second: Callable[[], float], repetitions: int
 ) -> tuple[list[float], list[float]]:
     """Timings of two things in turns, after one warm-up each."""
-    one(), other()
-    pairs = [(one(), other()) for _ in range(repetitions)]
+    first(), second()
+    pairs = [(first(), second()) for _ in range(repetitions)]
     return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
 
 
@@ -230,7 +231,3 @@ class _Timing:
                 call()
             seconds.append((time.perf_counter() - begin) / times)
         return cls(seconds)
-
-
-def _verdict(good: bool) -> str | Text:
-    return "" if good else warning("missed")

@@ -39,17 +39,16 @@ def case(path: Path, runs: Sequence[Run], name: str) -> None:
     OutputError
         The file cannot be written.
     """
-    mine = [run for run in runs if run.case == name and run.scheme]
-    groups = {f: [r for r in mine if r.formulation == f] for f in dae.FORMULATIONS}
+    of_rig = [run for run in runs if run.case == name and run.scheme]
     groups = {
-        f"{f}, index {some[0].index}": [r for r in some if not r.of_peer]
-        for f, some in groups.items()
-        if some
+        f"{name}, index {own[0].index}": own
+        for name in dae.FORMULATIONS
+        if (own := [run for run in of_rig if run.formulation == name and not run.of_peer])
     }
-    peers = [run for run in mine if run.of_peer]
+    peers = [run for run in of_rig if run.of_peer]
     if peers:
         groups["peers, index 1 and ODE"] = peers
-    exact = [run for run in mine if run.scheme == EXACT]
+    exact = [run for run in of_rig if run.scheme == EXACT]
     rows = max(len(groups), 1)
     figure, axes = plots.figure(
         13.0, 2.0 + 2.3 * rows, nrows=rows, ncols=4, sharex="col", sharey=True, squeeze=False
@@ -59,19 +58,19 @@ def case(path: Path, runs: Sequence[Run], name: str) -> None:
         ("coordinates", "seconds"), ("inputs", "seconds"),
         ("coordinates", "steps"), ("inputs", "steps"),
     )  # fmt: skip
-    for row, (heading, some) in zip(axes, groups.items(), strict=False):
+    for row, (heading, group) in zip(axes, groups.items(), strict=False):
         for ax, (quantity, cost) in zip(row, panels, strict=True):
-            curves(ax, some, quantity, cost, dashed=some is peers)
+            curves(ax, group, quantity, cost, dashed=group is peers)
             star(ax, exact, quantity, cost)
         plots.title(row[0], heading)
     for top, bottom, (quantity, cost) in zip(axes[0], axes[-1], panels, strict=True):
         top.set_title(LABELS[quantity], loc="right", fontsize=9, pad=24)
         bottom.set_xlabel(LABELS[cost])
-    _legend(figure, {run.scheme for run in mine}, ncols=7)
+    _legend(figure, {run.scheme for run in of_rig}, ncols=7)
     plots.save(figure, path)
 
 
-def one(path: Path, runs: Sequence[Run], name: str, formulation: str) -> None:
+def formulation(path: Path, runs: Sequence[Run], name: str, what: str) -> None:
     """The inputs of one rig against wall time: one formulation, the peers, the exact solution.
 
     Raises
@@ -79,16 +78,14 @@ def one(path: Path, runs: Sequence[Run], name: str, formulation: str) -> None:
     OutputError
         The file cannot be written.
     """
-    mine = [run for run in runs if run.case == name and run.scheme]
+    of_rig = [run for run in runs if run.case == name and run.scheme]
     figure, ax = plots.figure(8.2, 4.6)
-    curves(ax, [run for run in mine if run.formulation == formulation], "inputs", "seconds")
-    curves(ax, [run for run in mine if run.of_peer], "inputs", "seconds", dashed=True)
-    star(ax, [run for run in mine if run.scheme == EXACT], "inputs", "seconds")
-    plots.title(
-        ax, f"{name.replace('_', ' ')}: {formulation} (full lines), peers on index 1 (dashed)"
-    )
+    curves(ax, [run for run in of_rig if run.formulation == what], "inputs", "seconds")
+    curves(ax, [run for run in of_rig if run.of_peer], "inputs", "seconds", dashed=True)
+    star(ax, [run for run in of_rig if run.scheme == EXACT], "inputs", "seconds")
+    plots.title(ax, f"{name.replace('_', ' ')}: {what} (full lines), peers on index 1 (dashed)")
     ax.set(xlabel=LABELS["seconds"], ylabel=LABELS["inputs"])
-    _legend(figure, {run.scheme for run in mine}, ncols=1, loc="outside right center")
+    _legend(figure, {run.scheme for run in of_rig}, ncols=1, loc="outside right center")
     plots.save(figure, path)
 
 
@@ -103,17 +100,17 @@ def curves(
     """Errors of one quantity against one cost; runs with a tolerance as open circles."""
     ax.set(xscale="log", yscale="log", ylim=(LOWEST, HIGHEST))
     for scheme, colour in colours().items():
-        tried = [r for r in runs if r.scheme == scheme and not r.failure.startswith("not run")]
+        begun = [r for r in runs if r.scheme == scheme and not r.failure.startswith("not run")]
         for constant in (True, False):
-            some = [run for run in tried if bool(run.count) == constant and not run.failure]
+            ended = [run for run in begun if bool(run.count) == constant and not run.failure]
             style = "--" if dashed else "-"
             ax.plot(
-                [getattr(run, cost) for run in some],
-                [min(max(getattr(run, quantity), LOWEST), HIGHEST) for run in some],
+                [getattr(run, cost) for run in ended],
+                [min(max(getattr(run, quantity), LOWEST), HIGHEST) for run in ended],
                 linestyle=":" if not (constant or dashed) else style, marker="o", markersize=3.5,
                 markerfacecolor=colour if constant else "white", color=colour, linewidth=1.2,
             )  # fmt: skip
-        failed = [run for run in tried if run.failure]
+        failed = [run for run in begun if run.failure]
         (crosses,) = ax.plot(
             [max(getattr(run, cost), 1e-4 if cost == "seconds" else 1) for run in failed],
             [HIGHEST] * len(failed), "x", color=colour, clip_on=False, markersize=5,
@@ -133,16 +130,9 @@ def star(ax: Any, exact: Sequence[Run], quantity: Quantity, cost: Cost) -> None:
 def _legend(figure: Any, schemes: set[str], **options: Any) -> None:
     from matplotlib.lines import Line2D
 
+    dot: dict[str, Any] = {"marker": "o", "markersize": 3.5}
     handles = [
-        Line2D(
-            [],
-            [],
-            color=colour,
-            marker="o",
-            markersize=3.5,
-            label=name,
-            linestyle="--" if name in BY_NAME else "-",
-        )
+        Line2D([], [], color=colour, label=name, linestyle="--" if name in BY_NAME else "-", **dot)
         for name, colour in colours().items()
         if name in schemes
     ]

@@ -12,19 +12,20 @@ from rich.text import Text
 
 from ...feedforward import Motion, dae, from_move, solve
 from ...models import default_move, make
-from ..console import warning
+from ..console import verdict, warning
 from ..tables import table
 from ..watchdog import quiet
-from .trials import CASES, EXACT, Run, callable_of, errors
+from .smooth_moves import cases
+from .trials import EXACT, Run, callable_of, errors
 
 GOAL, EXACT_GOAL, FASTER = 1e-6, 1e-10, 100.0
 """The exact solver is to reach `EXACT_GOAL` so much faster than time stepping reaches `GOAL`."""
 TURNS = 5
 """How often two things are timed in turns."""
 SETTLED = 0.3
-"""Neighbouring slopes that differ by less show the order."""
+"""Neighbouring slopes that differ by less show the order: coarse steps are not yet there."""
 ROUNDING = -0.5
-"""A slope below this is that of rounding errors."""
+"""A slope below this is that of rounding errors, which grow with the number of steps."""
 PRINTED_STEPS: tuple[tuple[str, dict[str, float], tuple[float, ...]], ...] = (
     ("overhead_crane", {}, (0.1, 0.01)),
     ("rotary_crane", {}, (1.0, 0.1)),
@@ -34,8 +35,9 @@ PRINTED_STEPS: tuple[tuple[str, dict[str, float], tuple[float, ...]], ...] = (
     ("navy_crane_3d", {"pulley_mass": 0.0}, (0.1, 0.01)),
     ("navy_crane_3d", {}, (0.1, 0.01)),
 )
-"""Y 5.1 to 6.2."""
+"""Cranes, changes of them, and the steps of Y 5.1 to 6.2 [s]."""
 KINKED_SCHEMES, KINKED_STEPS = ("implicit Euler", "BDF 2", "BDF 5"), (320, 1280)
+"""Schemes along moves with kinks, and their two numbers of steps, from which an order is taken."""
 ORDERS = (
     "case", "formulation", "index", "scheme",
     "coordinates", "coordinates in theory", "inputs", "inputs in theory",
@@ -65,20 +67,15 @@ def orders(runs: Iterable[Run]) -> list[dict[str, object]]:
     """Measured and theoretical orders of every formulation with every scheme, `ORDERS`."""
     rows: list[dict[str, object]] = []
     for (case, formulation, scheme), ladder in _ladders(runs).items():
-        theory = ladder[0]
-        pairs = [
-            value
-            for name, exact in (("coordinates", "coordinate_order"), ("inputs", "input_order"))
-            for value in (
-                measured_order([r.count for r in ladder], [getattr(r, name) for r in ladder]),
-                getattr(theory, exact),
-            )
-        ]
-        # Where theory has no error there is no order to measure.
-        pairs = [math.nan if i % 2 == 0 and math.isinf(pairs[i + 1]) else v
-                 for i, v in enumerate(pairs)]  # fmt: skip
-        values = (case, formulation, theory.index, scheme, *pairs)
-        rows.append(dict(zip(ORDERS, values, strict=True)))
+        first, counts = ladder[0], [run.count for run in ladder]
+        row: list[object] = [case, formulation, first.index, scheme]
+        for theory, sizes in (
+            (first.coordinate_order, [run.coordinates for run in ladder]),
+            (first.input_order, [run.inputs for run in ladder]),
+        ):
+            # Where theory has no error there is no order to measure.
+            row += [math.nan if math.isinf(theory) else measured_order(counts, sizes), theory]
+        rows.append(dict(zip(ORDERS, row, strict=True)))
     return rows
 
 
@@ -93,8 +90,8 @@ def _ladders(runs: Iterable[Run]) -> dict[tuple[str, str, str], list[Run]]:
 
 def of_case(case: str, runs: Sequence[Run]) -> Table:
     """A rig's formulations by schemes: order, best error of the inputs, and its time."""
-    mine = [run for run in runs if run.case == case]
-    own = [run for run in mine if run.scheme in dae.SCHEMES]
+    of_rig = [run for run in runs if run.case == case]
+    own = [run for run in of_rig if run.scheme in dae.SCHEMES]
     schemes = [name for name in dae.SCHEMES if any(run.scheme == name for run in own)]
     lines = table(
         f"{case}: order of the inputs' error (in theory), its lowest value over the input's "
@@ -107,30 +104,30 @@ def of_case(case: str, runs: Sequence[Run]) -> Table:
         index = next(run.index for run in own if run.formulation == name)
         cells = []
         for scheme in schemes:
-            some = [run for run in own if (run.formulation, run.scheme) == (name, scheme)]
-            cells.append(_cell(some, slopes.get((name, scheme))))
+            ladder = [run for run in own if (run.formulation, run.scheme) == (name, scheme)]
+            cells.append(_cell(ladder, slopes.get((name, scheme))))
         lines.add_row(f"{name}\n(index {index})", *cells)
-    for run in mine:
+    for run in of_rig:
         if not run.scheme:
             lines.add_row(f"{run.formulation}\n(does not apply)", *("-" for _ in schemes))
     return lines
 
 
-def _cell(some: Sequence[Run], slope: object) -> Text:
-    """Of one formulation with one scheme."""
-    tried = [run for run in some if not run.failure.startswith("not run")]
-    good = [run for run in tried if not run.failure]
-    failed = len(tried) - len(good)
+def _cell(ladder: Sequence[Run], slope: object) -> Text:
+    """The cell of one formulation with one scheme."""
+    begun = [run for run in ladder if not run.failure.startswith("not run")]
+    ended = [run for run in begun if not run.failure]
+    failed = len(begun) - len(ended)
     cell = Text()
-    if good:
-        exact = math.isinf(good[0].input_order)
-        best = min(good, key=lambda run: run.seconds if exact else run.inputs)
+    if ended:
+        exact = math.isinf(ended[0].input_order)
+        best = min(ended, key=lambda run: run.seconds if exact else run.inputs)
         theory = f"({best.input_order:g})".replace("(inf)", "exact")
         measured = "" if exact else _number(slope, ".2f") + " "
         cell.append(f"{measured}{theory}\n{best.inputs:.0e}\n{1e3 * best.seconds:.0f} ms")
     if failed:
-        cell.append("\n" if good else "")
-        cell.append_text(warning(f"{failed} of {len(tried)}\nfailed"))
+        cell.append("\n" if ended else "")
+        cell.append_text(warning(f"{failed} of {len(begun)}\nfailed"))
     return cell
 
 
@@ -155,10 +152,10 @@ def at_printed_steps() -> Table:
             seconds = time.perf_counter() - begin
             truth = solve(rig, reference, integration.motion.times)
             coordinates, inputs = errors(integration.motion, truth)
-            off = abs(integration.motion.inputs - truth.inputs).max()
+            largest = abs(integration.motion.inputs - truth.inputs).max()
             lines.add_row(
                 f"{name}{', massless' if changes else ''}", f"{step:g}", f"{coordinates:.1e}",
-                f"{off:.3g}", f"{inputs:.2%}", str(integration.counters.steps),
+                f"{largest:.3g}", f"{inputs:.2%}", str(integration.counters.steps),
                 f"{1e3 * seconds:.0f}",
                 "" if integration.failure is None else warning(str(integration.failure)),
             )  # fmt: skip
@@ -179,13 +176,13 @@ def against_exact(runs: Sequence[Run]) -> tuple[Table, Table]:
         "fastest peer", "[ms]", "steps", "times\nslower",
     )  # fmt: skip
     for case in dict.fromkeys(run.case for run in runs):
-        mine = [run for run in runs if run.case == case]
-        good = [run for run in mine if run.inputs <= GOAL and run.scheme != EXACT]
-        own = [run for run in good if not run.of_peer]
-        exact = max((r.inputs for r in mine if r.scheme == EXACT), default=math.nan)
-        _stepping_row(stepping, case, exact, mine, [run for run in own if run.index > 1])
+        of_rig = [run for run in runs if run.case == case]
+        precise = [run for run in of_rig if run.inputs <= GOAL and run.scheme != EXACT]
+        own = [run for run in precise if not run.of_peer]
+        exact = max((r.inputs for r in of_rig if r.scheme == EXACT), default=math.nan)
+        _stepping_row(stepping, case, exact, of_rig, [run for run in own if run.index > 1])
         row = _timed([run for run in own if run.index == 1])
-        peer = _timed([run for run in good if run.of_peer])
+        peer = _timed([run for run in precise if run.of_peer])
         others.add_row(
             case,
             *((f"{row[1]:.1f}", str(row[0].steps), f"{row[1] / row[2]:.0f}") if row else "---"),
@@ -196,24 +193,24 @@ def against_exact(runs: Sequence[Run]) -> tuple[Table, Table]:
 
 
 def _stepping_row(
-    lines: Table, case: str, exact: float, mine: Sequence[Run], good: Sequence[Run]
+    lines: Table, case: str, exact: float, runs: Sequence[Run], precise: Sequence[Run]
 ) -> None:
-    precise = exact <= EXACT_GOAL
-    error: str | Text = f"{exact:.0e}" if precise else warning(f"{exact:.0e}")
-    fastest = _timed(good)
+    reached = exact <= EXACT_GOAL
+    error: str | Text = f"{exact:.0e}" if reached else warning(f"{exact:.0e}")
+    fastest = _timed(precise)
     if fastest is None:
-        tried = [run for run in mine if run.index > 1 and run.inputs < math.inf]
-        best = min(tried, key=lambda run: run.inputs, default=None)
-        reached = "no run" if best is None else f"none; best {best.formulation}, {best.scheme}"
-        off = "" if best is None else f"{best.inputs:.0e}"
-        lines.add_row(case, error, "", reached, "", off, "", "", f">= {FASTER:g}", "")
+        ended = [run for run in runs if run.index > 1 and run.inputs < math.inf]
+        best = min(ended, key=lambda run: run.inputs, default=None)
+        name = "no run" if best is None else f"none; best {best.formulation}, {best.scheme}"
+        lowest = "" if best is None else f"{best.inputs:.0e}"
+        lines.add_row(case, error, "", name, "", lowest, "", "", f">= {FASTER:g}", "")
         return
-    run, theirs, ours = fastest
-    ratio = theirs / ours
+    run, stepped, solved = fastest
+    ratio = stepped / solved
     lines.add_row(
-        case, error, f"{ours:.2f}", f"{run.formulation}, {run.scheme}", str(run.steps),
-        f"{run.inputs:.0e}", f"{theirs:.0f}", f"{ratio:.0f}", f">= {FASTER:g}",
-        "" if ratio >= FASTER and precise else warning("missed"),
+        case, error, f"{solved:.2f}", f"{run.formulation}, {run.scheme}", str(run.steps),
+        f"{run.inputs:.0e}", f"{stepped:.0f}", f"{ratio:.0f}", f">= {FASTER:g}",
+        verdict(ratio >= FASTER and reached),
     )  # fmt: skip
 
 
@@ -226,17 +223,17 @@ def along_catalogue_moves(cases: Iterable[str]) -> Table:
         "times slower\n(estimate)",
     )  # fmt: skip
     for case in cases:
-        tried = [_kinked(case, scheme) for scheme in KINKED_SCHEMES]
-        ended = [one for one in tried if one is not None]
+        runs = [_kinked(case, scheme) for scheme in KINKED_SCHEMES]
+        ended = [run for run in runs if run is not None]
         if not ended:
             lines.add_row(case, warning("no run reaches the end"))
             continue
-        best = min(ended, key=lambda one: one.error)
-        more = (best.error / GOAL) ** (1.0 / best.order) if best.order > 0.0 else math.inf
+        best = min(ended, key=lambda run: run.error)
+        factor = (best.error / GOAL) ** (1.0 / best.order) if best.order > 0.0 else math.inf
         lines.add_row(
             case, best.scheme, f"{best.error:.0e}", f"{best.order:.2f}",
             f"{1e3 * best.seconds:.0f}", f"{1e3 * best.exact:.1f}",
-            f"{more * KINKED_STEPS[-1]:.0e}", f"{more * best.seconds / best.exact:.0e}",
+            f"{factor * KINKED_STEPS[-1]:.0e}", f"{factor * best.seconds / best.exact:.0e}",
         )  # fmt: skip
     return lines
 
@@ -245,20 +242,22 @@ class _Kinked(NamedTuple):
     """What the finer of two steps comes to."""
 
     scheme: str
+    """Name of the scheme."""
     error: float
-    """Of the inputs."""
+    """Largest error of an input over its largest value, at the finer step."""
     order: float
-    """Between the two."""
+    """Slope of the error between the two steps."""
     seconds: float
+    """Time of the finer integration [s]."""
     exact: float
     """Time of the exact solution at the same instants [s]."""
 
 
 def _kinked(case: str, scheme: str) -> _Kinked | None:
     """A scheme along the catalogue's move; None if it does not reach the end."""
-    rig = CASES[case].rig
+    rig = cases()[case].rig
     reference = from_move(default_move(rig))
-    off: list[float] = []
+    sizes: list[float] = []
     for count in KINKED_STEPS:
         begin = time.perf_counter()
         integration = dae.integrate(rig, reference, step=reference.duration / count, scheme=scheme)
@@ -267,9 +266,9 @@ def _kinked(case: str, scheme: str) -> _Kinked | None:
         end = time.perf_counter()
         if integration.failure is not None:
             return None
-        off.append(errors(integration.motion, truth)[1])
-    order = measured_slope(KINKED_STEPS, off)
-    return _Kinked(scheme, off[-1], order, middle - begin, end - middle)
+        sizes.append(errors(integration.motion, truth)[1])
+    order = measured_slope(KINKED_STEPS, sizes)
+    return _Kinked(scheme, sizes[-1], order, middle - begin, end - middle)
 
 
 def measured_slope(counts: Sequence[int], sizes: Sequence[float]) -> float:
@@ -281,13 +280,13 @@ def _timed(candidates: Sequence[Run]) -> tuple[Run, float, float] | None:
     """The fastest run, its time and that of the exact solution at its instants [ms]."""
     if not candidates:
         return None
-    run = min(candidates, key=lambda one: one.seconds)
-    case = CASES[run.case]
+    run = min(candidates, key=lambda candidate: candidate.seconds)
+    case = cases()[run.case]
     with quiet():
-        theirs = callable_of(run.trial)
-        times = theirs().times
+        stepping = callable_of(run.trial)
+        times = stepping().times
         pairs = [
-            (_seconds(theirs), _seconds(lambda: solve(case.rig, case.reference, times)))
+            (_seconds(stepping), _seconds(lambda: solve(case.rig, case.reference, times)))
             for _ in range(TURNS)
         ]
     return run, 1e3 * median(a for a, _ in pairs), 1e3 * median(b for _, b in pairs)

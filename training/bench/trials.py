@@ -2,36 +2,32 @@
 
 Errors are measured at the instants that a run itself has chosen, against the exact solution there:
 coordinates in m and rad, each input over its own largest value along the path.
-
-The paths are the catalogue's moves with `ORDER` continuous derivatives in `STRETCH` times their
-duration, so that ropes stay taut and drives suffice.  The moves themselves have kinks in the
-inputs at their joins, where every scheme is of order 1; these are kinder to time stepping.
 """
 
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from dataclasses import dataclass
+from functools import partial
 from statistics import median
 from typing import NamedTuple
 
 import numpy as np
 
-from ...feedforward import Motion, Reference, dae, from_move, solve
-from ...models import CATALOGUE, Move, Rig, default_move, make
+from ...feedforward import Motion, dae, solve
 from ...models.types import Array
 from ..watchdog import limited, quiet
-from .peers import PEERS, Peer, PeerError, Problem
+from .peers import PEERS, IndexOneProblem, Peer, PeerError
+from .smooth_moves import cases
 
-ORDER, STRETCH = 10, 1.5
 COUNTS = (80, 160, 320, 640, 1280)
-"""Constant steps along the path."""
+"""Numbers of constant steps along the path."""
 TOLERANCES = (1e-4, 1e-6, 1e-8)
-"""Of schemes with an estimate."""
+"""Tolerances of schemes that estimate their error."""
 FIRST = 50
-"""Share of the duration with which these begin is one over this."""
+"""First step of these schemes: one over this, as a share of the duration."""
 PEER_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
+"""Tolerances, relative and absolute, of the integrators of others."""
 LONGEST = 0.5
 """A run that is expected to take longer, from the one before it, is left out [s of processor time,
 so that other load on the machine does not decide]."""
@@ -42,59 +38,25 @@ HARDER = 5.0
 REPEATED = 5
 """How often a timing of the exact solution is repeated."""
 EXACT = "exact solution"
+"""Scheme and formulation of the runs that solve exactly."""
 NEGLIGIBLE = 1e-9
-"""An input that is never larger is compared with 1 N or 1 N m instead."""
-
-
-@dataclass(frozen=True)
-class Case:
-    """A rig with a smooth path."""
-
-    name: str
-    massless: bool = False
-
-    @property
-    def label(self) -> str:
-        """The rig's name, and whether its pulley has no mass."""
-        return f"{self.name}, massless" if self.massless else self.name
-
-    @cached_property
-    def rig(self) -> Rig:
-        """The rig."""
-        return make(self.name, pulley_mass=0.0) if self.massless else make(self.name)
-
-    @cached_property
-    def move(self) -> Move:
-        """Its move, smoother and slower."""
-        move = default_move(self.rig)
-        return replace(move, profile="polynomial", order=ORDER, duration=STRETCH * move.duration)
-
-    @cached_property
-    def reference(self) -> Reference:
-        """The path."""
-        return from_move(self.move)
-
-
-CASES: dict[str, Case] = {
-    case.label: case
-    for case in (
-        *(Case(name) for name in CATALOGUE),
-        *(Case(e.name, massless=True) for e in CATALOGUE.entries if e.without_pulley_mass),
-    )
-}
-"""The catalogue, and the Navy cranes without pulley mass, by label."""
+"""Errors of an input that is never larger count in N or N m: dividing by it would only show
+rounding."""
 
 
 class Trial(NamedTuple):
     """One run that is asked for."""
 
     case: str
+    """Label of the case."""
     formulation: str
+    """Name of the formulation, or `EXACT`."""
     scheme: str
-    """Or the name of a peer, or `EXACT`."""
+    """Name of the scheme or of a peer, or `EXACT`."""
     number: int = 0
-    """Of constant steps or instants; 0 with a tolerance."""
+    """Number of constant steps or instants; 0 with a tolerance."""
     tolerance: float = 0.0
+    """Tolerance of a scheme that estimates its error; 0 with constant steps."""
 
 
 @dataclass(frozen=True)
@@ -102,27 +64,39 @@ class Run:
     """What a trial came to."""
 
     case: str
+    """Label of the case."""
     formulation: str
+    """Name of the formulation, or `EXACT`."""
     scheme: str
+    """Name of the scheme or of a peer, or `EXACT`; empty where the formulation does not apply."""
     count: int
+    """Number of constant steps or instants that were asked for; 0 with a tolerance."""
     tolerance: float
+    """Tolerance that was asked for; 0 with constant steps."""
     index: int
-    """Of the formulation; 0 for the exact solution."""
+    """Differentiation index of the formulation; 0 for the exact solution and for ODEs."""
     steps: int = 0
-    """That were taken."""
+    """Number of steps that were taken."""
     seconds: float = math.nan
+    """Wall-clock time [s]."""
     coordinates: float = math.nan
-    """Largest error [m, rad]; not a number where the run failed."""
+    """Largest error of a coordinate [m, rad]; not a number where the run failed."""
     inputs: float = math.nan
-    """Largest error over each input's largest value."""
+    """Largest error of an input over its largest value; not a number where the run failed."""
     coordinate_order: float = math.nan
-    """In theory; infinite if exact."""
+    """Order of the coordinates' error in theory; infinite if exact."""
     input_order: float = math.nan
+    """Order of the inputs' error in theory; infinite if exact."""
     rejected: int = 0
+    """Number of steps that were taken back."""
     iterations: int = 0
+    """Number of Newton iterations."""
     evaluations: int = 0
+    """Number of evaluations of the equations."""
     jacobians: int = 0
+    """Number of Jacobians."""
     factorisations: int = 0
+    """Number of factorised iteration matrices."""
     failure: str = ""
     """Why it ended early, or was not run; empty if it reached the end."""
 
@@ -138,13 +112,15 @@ class Run:
 
 
 BY_NAME: dict[str, Peer] = {peer.name: peer for peer in PEERS}
+FAILED = (math.nan, math.nan)
+"""Errors of coordinates and inputs of a run that did not reach the end."""
 
 
 def errors(motion: Motion, truth: Motion) -> tuple[float, float]:
     """Largest errors of coordinates [m, rad] and of inputs (relative)."""
-    off = np.abs(motion.inputs - truth.inputs).max(axis=0)
+    largest = np.abs(motion.inputs - truth.inputs).max(axis=0)
     size = np.abs(truth.inputs).max(axis=0)
-    relative = off / np.where(size > NEGLIGIBLE, size, 1.0)
+    relative = largest / np.where(size > NEGLIGIBLE, size, 1.0)
     return float(np.abs(motion.positions - truth.positions).max()), float(relative.max())
 
 
@@ -156,12 +132,12 @@ def callable_of(trial: Trial, times: Array | None = None) -> Callable[[], Motion
     PeerError
         A peer does not take the problem; the call, that it gave up.
     """
-    case = CASES[trial.case]
+    case = cases()[trial.case]
     if trial.scheme == EXACT:
         instants = np.linspace(0.0, case.reference.duration, trial.number + 1)
         return partial(solve, case.rig, case.reference, instants if times is None else times)
     if trial.scheme in BY_NAME:
-        problem = Problem(case.rig, case.reference)
+        problem = IndexOneProblem(case.rig, case.reference)
         run = BY_NAME[trial.scheme].prepare(problem, trial.tolerance)
         return lambda: problem.motion(run())
     integrated = partial(integrate, trial)
@@ -170,7 +146,7 @@ def callable_of(trial: Trial, times: Array | None = None) -> Callable[[], Motion
 
 def integrate(trial: Trial) -> dae.Integration:
     """One of flatrig's own integrations."""
-    case = CASES[trial.case]
+    case = cases()[trial.case]
     return dae.integrate(
         case.rig,
         case.reference,
@@ -185,16 +161,19 @@ class Unit(NamedTuple):
     """What one process does at a time: a case with a formulation, a peer, or the exact solution."""
 
     case: str
+    """Label of the case."""
     name: str
+    """Name of a formulation or a peer, or `EXACT`."""
     schemes: tuple[str, ...]
+    """Names of the schemes to run a formulation with."""
 
     def runs(self) -> list[Run]:
         """All its runs; what does not apply is one that says so."""
         if self.name == EXACT:
             return [_exact(Trial(self.case, EXACT, EXACT, count)) for count in COUNTS]
         if self.name in BY_NAME:
-            return self._of_peer()
-        reason = dae.why_not(CASES[self.case].rig, self.name)
+            return self._with_peer()
+        reason = dae.why_not(cases()[self.case].rig, self.name)
         if reason:
             return [Run(self.case, self.name, "", 0, 0.0, 0, failure=reason)]
         runs: list[Run] = []
@@ -203,16 +182,16 @@ class Unit(NamedTuple):
             integrate(bare._replace(number=4))  # builds and remembers the equations
             runs += _ladder([bare._replace(number=count) for count in COUNTS], _own, 2.0)
             if dae.scheme(scheme).estimates:
-                some = [bare._replace(tolerance=tolerance) for tolerance in TOLERANCES]
-                runs += _ladder(some, _own, HARDER)
+                adaptive = [bare._replace(tolerance=tolerance) for tolerance in TOLERANCES]
+                runs += _ladder(adaptive, _own, HARDER)
         return runs
 
-    def _of_peer(self) -> list[Run]:
-        case, peer = CASES[self.case], BY_NAME[self.name]
-        form = f"{Problem(case.rig, case.reference).name}, {peer.form}"
-        some = [Trial(self.case, form, peer.name, 0, tolerance) for tolerance in PEER_TOLERANCES]
+    def _with_peer(self) -> list[Run]:
+        case, peer = cases()[self.case], BY_NAME[self.name]
+        form = f"{IndexOneProblem(case.rig, case.reference).name}, {peer.form}"
+        trials = [Trial(self.case, form, peer.name, 0, tolerance) for tolerance in PEER_TOLERANCES]
         with quiet():
-            return _ladder(some, _theirs, HARDER)
+            return _ladder(trials, _of_peer, HARDER)
 
 
 def _ladder(trials: list[Trial], measure: Callable[[Trial], Run], harder: float) -> list[Run]:
@@ -234,24 +213,24 @@ def _ladder(trials: list[Trial], measure: Callable[[Trial], Run], harder: float)
 
 def _exact(trial: Trial) -> Run:
     """Timed several times; its error is the distance from a second road, solved algebraically."""
-    case = CASES[trial.case]
+    case = cases()[trial.case]
     solution, seconds = callable_of(trial), []
     motion = solution()
     for _ in range(REPEATED):
         begin = time.perf_counter()
         solution()
         seconds.append(time.perf_counter() - begin)
-    algebraic = Problem(case.rig, case.reference).name
+    algebraic = IndexOneProblem(case.rig, case.reference).name
     other = integrate(trial._replace(formulation=algebraic, scheme="implicit Euler"))
     count = len(other.motion.times)
     failed = "" if other.failure is None else f"the second road: {other.failure}"
     truth = solve(case.rig, case.reference, other.motion.times)
-    off = errors(other.motion, truth) if count == len(motion.times) else (math.nan, math.nan)
-    return Run(*trial, 0, trial.number, median(seconds), *off, math.inf, math.inf, failure=failed)
+    error = errors(other.motion, truth) if count == len(motion.times) else FAILED
+    return Run(*trial, 0, trial.number, median(seconds), *error, math.inf, math.inf, failure=failed)
 
 
 def _own(trial: Trial) -> Run:
-    case = CASES[trial.case]
+    case = cases()[trial.case]
     index = dae.formulation(case.rig, trial.formulation).index
     theory = dae.orders(dae.scheme(trial.scheme), index)
     begin = time.perf_counter()
@@ -265,20 +244,21 @@ def _own(trial: Trial) -> Run:
             coordinate_order=theory.positions, failure=reason,
         )  # fmt: skip
     seconds = time.perf_counter() - begin
-    off = (math.nan, math.nan)
+    error = FAILED
     if integration.failure is None:
-        off = errors(integration.motion, solve(case.rig, case.reference, integration.motion.times))
+        truth = solve(case.rig, case.reference, integration.motion.times)
+        error = errors(integration.motion, truth)
     cost = integration.counters
     return Run(
-        *trial, index, cost.steps, seconds, *off, theory.positions, theory.inputs,
+        *trial, index, cost.steps, seconds, *error, theory.positions, theory.inputs,
         cost.rejected, cost.iterations, cost.evaluations, cost.jacobians, cost.factorisations,
         "" if integration.failure is None else str(integration.failure),
     )  # fmt: skip
 
 
-def _theirs(trial: Trial) -> Run:
-    case, peer = CASES[trial.case], BY_NAME[trial.scheme]
-    problem = Problem(case.rig, case.reference)
+def _of_peer(trial: Trial) -> Run:
+    case, peer = cases()[trial.case], BY_NAME[trial.scheme]
+    problem = IndexOneProblem(case.rig, case.reference)
     index = 1 if peer.form == "F = 0" else 0
     begin = time.perf_counter()
     try:
@@ -286,8 +266,8 @@ def _theirs(trial: Trial) -> Run:
         begin = time.perf_counter()
         solved = run()
         motion = problem.motion(solved)
-    except PeerError as error:
-        return Run(*trial, index, 0, time.perf_counter() - begin, failure=str(error))
+    except PeerError as reason:
+        return Run(*trial, index, 0, time.perf_counter() - begin, failure=str(reason))
     seconds = time.perf_counter() - begin
-    off = errors(motion, solve(case.rig, case.reference, motion.times))
-    return Run(*trial, index, solved.steps, seconds, *off)
+    error = errors(motion, solve(case.rig, case.reference, motion.times))
+    return Run(*trial, index, solved.steps, seconds, *error)
