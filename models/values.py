@@ -191,12 +191,14 @@ def clean(part: Any) -> None:
 
 
 def of_numbers(build: Callable[P, T]) -> Callable[P, T]:
-    """Check that all keywords of a function are numbers before it reckons with them."""
+    """Check that keywords annotated as `float` are numbers before a function reckons with them."""
 
     @wraps(build)
     def checked(*args: P.args, **kwargs: P.kwargs) -> T:
-        plain = {key: number(f"{build.__name__}: {key}", value) for key, value in kwargs.items()}
-        return build(*args, **plain)  # type: ignore[arg-type]
+        for key, value in kwargs.items():
+            if build.__annotations__.get(key) is float:
+                kwargs[key] = number(f"{build.__name__}: {key}", value)
+        return build(*args, **kwargs)
 
     return checked
 

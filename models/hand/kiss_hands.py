@@ -83,13 +83,8 @@ def _ball(radius: float, mass: float) -> HeldObject:
     return HeldObject("sphere", radius, mass)
 
 
-@of_numbers
-def _one_plate(*, radius: float, mass: float, friction: float, plate_radius: float) -> Hand:
-    plate = Finger("plate", Plate(_Z, plate_radius))
-    return Hand("ball_on_plate", _ball(radius, mass), (plate,), friction, position=(0, 0, radius))
-
-
 @HAND_CATALOGUE.add(move=_BY_ROLLING, environment="BallOnPlate")
+@of_numbers
 def ball_on_plate(
     *,
     radius: float = 0.05,
@@ -99,8 +94,9 @@ def ball_on_plate(
     spin: bool = True,
 ) -> Hand:
     """A ball on a plate that moves every way (K example 1)."""
-    sizes = {"radius": radius, "mass": mass, "friction": friction, "plate_radius": plate_radius}
-    return replace(_one_plate(**sizes), spin=spin)
+    plate = Finger("plate", Plate(_Z, plate_radius))
+    held, place = _ball(radius, mass), (0.0, 0.0, radius)
+    return Hand("ball_on_plate", held, (plate,), friction, spin=spin, position=place)
 
 
 def _two_plates(name: str, lower: Hand, normal: Vector) -> Hand:
@@ -115,6 +111,7 @@ def _two_plates(name: str, lower: Hand, normal: Vector) -> Hand:
 
 
 @HAND_CATALOGUE.add(move=_BY_ROLLING, environment="BallBetweenPlates")
+@of_numbers
 def ball_between_plates(
     *,
     radius: float = 0.05,
@@ -124,11 +121,14 @@ def ball_between_plates(
     spin: bool = True,
 ) -> Hand:
     """A ball between parallel plates, of which the upper one only presses (K example 2)."""
-    sizes = {"radius": radius, "mass": mass, "friction": friction, "plate_radius": plate_radius}
-    return _two_plates("ball_between_plates", replace(_one_plate(**sizes), spin=spin), _DOWN)
+    lower = ball_on_plate(
+        radius=radius, mass=mass, friction=friction, plate_radius=plate_radius, spin=spin
+    )
+    return _two_plates("ball_between_plates", lower, _DOWN)
 
 
 @HAND_CATALOGUE.add(move=_between_oblique(_PI / 6, _PI / 4, _PI / 3))
+@of_numbers
 def ball_between_oblique_plates(
     *,
     radius: float = 0.05,
@@ -144,8 +144,7 @@ def ball_between_oblique_plates(
     RigError
         The plates are parallel, or the upper one does not face the lower one.
     """
-    sizes = {"radius": radius, "mass": mass, "friction": friction, "plate_radius": plate_radius}
-    lower = _one_plate(**sizes)
+    lower = ball_on_plate(radius=radius, mass=mass, friction=friction, plate_radius=plate_radius)
     if not 0.0 < abs(tilt) < _PI / 2:
         raise RigError(f"tilt is {tilt:g} rad, it must be between 0 and pi/2 in size")
     normal = (math.sin(tilt), 0.0, -math.cos(tilt))

@@ -26,6 +26,7 @@ from typing import Literal, TypeVar, overload
 
 from ..errors import RigError, did_you_mean
 from ..values import Home, Vector, clean
+from . import validation
 from .parts import (
     WORLD,
     Anchor,
@@ -38,18 +39,6 @@ from .parts import (
     Rope,
     Sheave,
     Trolley,
-)
-from .validation import (
-    check_combinations,
-    check_drives,
-    check_home,
-    check_names,
-    check_outputs,
-    check_parts,
-    check_ropes,
-    check_space,
-    check_spans,
-    check_trolley,
 )
 
 __all__ = [
@@ -123,18 +112,18 @@ class Rig:
         angles += [angle for platform in self.platforms for angle in platform.angles]
         known = [*self.coordinate_names, *(p.name for p in self.combinations)]
 
-        check_space(self.name, self.dimensions, self.gravity)
-        check_names(self.name, [part.name for part in parts])
-        check_names(self.name, self.input_names)
-        check_parts(self.name, bodies, planar=planar)
-        check_ropes(self.ropes, points)
-        check_drives(self.name, self.drives, [part.name for part in self._drivable])
-        check_combinations(self.combinations, self.coordinate_names, angles)
-        check_outputs(self.name, self.outputs, known, len(self.drives))
-        check_home(self.home, self.frames, self.masses, planar=planar)
+        validation.check_space(self.name, self.dimensions, self.gravity)
+        validation.check_names(self.name, [part.name for part in parts])
+        validation.check_names(self.name, self.input_names)
+        validation.check_parts(self.name, bodies, planar=planar)
+        validation.check_ropes(self.ropes, points)
+        validation.check_drives(self.name, self.drives, [part.name for part in self._drivable])
+        validation.check_combinations(self.combinations, self.coordinate_names, angles)
+        validation.check_outputs(self.name, self.outputs, known, len(self.drives))
+        validation.check_home(self.home, self.frames, self.masses, planar=planar)
         for trolley in self.trolleys:
-            check_trolley(trolley, self.home_of(trolley), self.rail(trolley.rail))
-        check_spans(self.ropes, {name: self.home_point(name) for name in points})
+            validation.check_trolley(trolley, self.home_of(trolley), self.rail(trolley.rail))
+        validation.check_spans(self.ropes, {name: self.home_point(name) for name in points})
 
     @cached_property
     def input_names(self) -> tuple[str, ...]:
