@@ -5,7 +5,6 @@ the coordinates stand under derivatives, and twice at most, so a scheme that rep
 differences of z solves for z alone, as the sources do (Y 5.38, 5.118).
 """
 
-import math
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from ...models.types import Array
 from ..paths.reference import Reference, taylor_of
+from ..series.products import factorials
 from .coordinates import Coordinates
 from .mechanics import Mechanics
 
@@ -60,16 +60,12 @@ def prescribed(
     if coordinates.kind != "redundant":
         return np.asarray(reference.derivatives(instants, order))
     taylor = coordinates.problem.servo.prescribe(taylor_of(reference, instants, order))
-    factorials = [math.factorial(i) for i in range(order + 1)]
-    return np.asarray(taylor * np.array(factorials, dtype=float)[:, None, None])
+    return np.asarray(taylor * factorials(order + 1)[:, None, None])
 
 
 def unknown_names(mechanics: Mechanics) -> tuple[str, ...]:
     """Names of coordinates, multipliers and inputs."""
     c = mechanics.coordinates
     constraints = (c.equations.constraint_names[k] for k in c.multipliers)
-    return (
-        *c.names,
-        *(f"multiplier of {name}" for name in constraints),
-        *c.problem.rig.input_names,
-    )
+    multipliers = (f"multiplier of {name}" for name in constraints)
+    return (*c.names, *multipliers, *c.problem.rig.input_names)

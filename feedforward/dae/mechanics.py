@@ -68,9 +68,8 @@ class Mechanics:
         x, multipliers, inputs = self.split(z)
         place = self.coordinates.place(x)
         gradient = e.constraints[:, :-1, :-1] @ place.q + e.constraints[:, :-1, -1]
-        unbalanced = (
-            e.mass @ place.second(rate, acceleration) - e.force - self._input(place.q) @ inputs
-        )
+        inertia = e.mass @ place.second(rate, acceleration)
+        unbalanced = inertia - e.force - self._input(place.q) @ inputs
         unbalanced += multipliers @ gradient[list(self.coordinates.multipliers)]
         return Forces(place, unbalanced, gradient)
 
@@ -101,9 +100,8 @@ class Mechanics:
         if place.bend is not None:
             moved = place.bend @ acceleration + self.coordinates.third(place, x, rate)
             position += across @ e.mass @ moved
-            position += (forces.unbalanced @ place.bend.reshape(len(place.q), -1)).reshape(
-                position.shape
-            )
+            bend = place.bend.reshape(len(place.q), -1)
+            position += (forces.unbalanced @ bend).reshape(position.shape)
             turning = 2.0 * across @ e.mass @ (place.bend @ rate)
         return Slopes(
             position=position,

@@ -138,11 +138,8 @@ class _Builder:
         if isinstance(part, Platform):
             return np.array([self.row(f"{name}.{axis}") for axis in "xyz"])
         if isinstance(part, Load):
-            rows = [
-                self.row(f"{name}.{axis}") if axis in self.rig.axes else self.row()
-                for axis in "xyz"
-            ]
-            return np.array(rows)
+            names = [f"{name}.{axis}" if axis in self.rig.axes else None for axis in "xyz"]
+            return np.array([self.row(coordinate) for coordinate in names])
         if isinstance(part, Trolley):
             rail = self.rig.rail(part.rail)
             frame = self.rig.frame(rail.frame)

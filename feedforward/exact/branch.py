@@ -23,7 +23,8 @@ from .taylor import Solution, expand
 GRIDS = (129, 513, 2049)
 """Samples along the path; the next where Newton's method loses its way on one."""
 LIMIT_STEPS = 9
-"""Steps back to a singular start, each to a quarter of the time before."""
+"""Steps back to a singular start, each to a quarter of the time before: the last one is
+within about 1e-7 of the path's duration of it, which is the accuracy that `solve` states there."""
 MOSTLY = 0.5
 """Share of a path's samples that may be singular places of a pulley without mass."""
 

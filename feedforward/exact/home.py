@@ -14,7 +14,8 @@ from .refusal import failure
 from .taylor import Solution, expand
 
 APPROACHES = (17, 65)
-"""Samples of the way from home to the start of the path."""
+"""Samples of the way from home to the start of the path; the finer one where Newton's method loses
+its way between two of the coarser."""
 
 
 @lru_cache(maxsize=512)

@@ -60,11 +60,14 @@ def solve_many(matrix: Array, right: Array) -> tuple[Array, Array]:
 
 
 WEAK = 1e-7
-"""A determinant below this fraction of the product of the rows' sizes asks for a closer look."""
+"""A determinant below this fraction of the product of the rows' sizes asks for a closer look:
+dividing by it would lose more digits than the least-norm solution does."""
 RANK = 1e-10
-"""Singular values below this fraction of the largest count as zero."""
+"""Singular values below this fraction of the largest count as zero: they belong to the direction
+along which a straight pulley's place is undetermined (Y 6.1.1), and stem from rounding."""
 CONSISTENT = 1e-6
-"""Largest residual of a singular system that has a solution, over the size of its terms."""
+"""Largest residual of a singular system that has a solution, over the size of its terms; beyond it
+the path asks for what no tension can give, and there is none."""
 
 
 def least_norm(

@@ -125,7 +125,8 @@ class Motion:
 
 
 ROUNDING = 1e-12
-"""A rope pushes if its tension is below minus this fraction of the largest one."""
+"""A rope pushes if its tension is below minus this fraction of the largest one: it guards against
+reporting an unloaded rope, whose tension is zero but for rounding, as slack."""
 
 
 def find_slack(rig: Rig, times: Array, tensions: Array) -> tuple[Slack, ...]:

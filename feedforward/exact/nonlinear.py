@@ -7,14 +7,20 @@ from .linear import least_norm, solve_many
 from .steps import Series, Step, coefficient
 
 NEWTON_ITERATIONS = 25
+"""Quadratic convergence takes a few; one that takes more started from a guess of no use."""
 NEWTON_TOLERANCE = 1e-13
-"""Newton's method ends when a step is below this fraction of the unknowns' size."""
+"""Newton's method ends when a step is below this fraction of the unknowns' size: the next one,
+about its square, is lost in rounding, and the last digits of a smaller step are rounding
+themselves."""
 SOLVED = 1e-9
-"""Largest residual of a solution found by steps of least norm, over the size of its terms."""
+"""Largest residual of a solution found by steps of least norm, over the size of its terms: where a
+pulley without mass hangs straight its place is undetermined (Y 6.1.1) and steps do not vanish."""
 FLOOR = 1e-3
-"""An equation's terms count as no smaller than this fraction of the largest equation's."""
+"""An equation's terms count as no smaller than this fraction of the largest equation's: those of an
+unloaded rope vanish, and rounding in them must not count as an error."""
 SAME = 1e-6
-"""Solutions closer than this fraction of their size are the same one."""
+"""Solutions closer than this fraction of their size are the same one; other solutions, mirror
+images on the other side of a rope, lie far beyond it except next to the place where they meet."""
 
 
 def solve_quadratic(

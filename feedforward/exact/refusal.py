@@ -16,7 +16,8 @@ from .taylor import Solution
 NAMED = 3
 """Unknowns that a refusal names."""
 RAIL_TOLERANCE = 1e-9
-"""How far past the end of a rail a trolley may be through rounding [m]."""
+"""How far past the end of a rail a trolley may be through rounding [m]: a move may
+end at its very end."""
 
 
 def accept(problem: Problem, reference: Reference) -> None:
@@ -27,13 +28,13 @@ def accept(problem: Problem, reference: Reference) -> None:
     RigError, SmoothnessError, PathError
         As `feedforward.solve`.
     """
-    rig, analysis = problem.rig, problem.analysis
     accept_flat(problem)
-    accept_columns(rig, reference)
-    if reference.order < analysis.reference_order:
+    accept_columns(problem.rig, reference)
+    needed = problem.analysis.reference_order
+    if reference.order < needed:
         raise SmoothnessError(
-            f"the reference has {reference.order} continuous derivatives, rig {rig.name} "
-            f"needs {analysis.reference_order}"
+            f"the reference has {reference.order} continuous derivatives, rig {problem.rig.name} "
+            f"needs {needed}"
         )
 
 

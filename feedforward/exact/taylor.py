@@ -30,7 +30,8 @@ from .steps import Series, Step, coefficient, plan
 Flags = NDArray[np.bool_]
 
 SINGULAR = 1e-11
-"""A determinant below this fraction of its largest possible value counts as zero."""
+"""A determinant below this fraction of its largest possible value counts as zero: it guards against
+a sign that only rounding has chosen, at the places where two solutions meet (Y 6.1.1)."""
 
 Solved = tuple[Array, Array | None]
 """A step's determinants (N,) or one for all, and its matrices (k, k, N) unless it is scalar."""
@@ -119,13 +120,13 @@ def _solve(
     """Replace the zeros that stand for a step's coefficients by their values."""
     if step.kind == "scalar":
         return _scalar(step, series, reference)
-    if step.kind == "linear":
-        return _linear(step, series, reference)
     if step.kind == "quadratic":
         return solve_quadratic(step, series, reference, guess, follow, side)
-    values, determinant, matrix = (continue_along if follow else newton)(
-        step, series, reference, guess
-    )
+    if step.kind == "linear":
+        values, determinant, matrix = _linear(step, series, reference)
+    else:
+        method = continue_along if follow else newton
+        values, determinant, matrix = method(step, series, reference, guess)
     for (j, order), value in zip(step.columns, values, strict=True):
         series[j][order] = value
     return determinant, matrix
@@ -149,15 +150,14 @@ def _sign(determinant: Array, matrix: Array | None) -> Array:
     return np.where(regular, np.sign(determinant), 0.0)
 
 
-def _linear(step: Step, series: Series, reference: Array) -> Solved:
+def _linear(step: Step, series: Series, reference: Array) -> tuple[Array, Array, Array]:
+    """The unknowns (k, N), the determinants (N,) and the matrices (k, k, N)."""
     matrix, right = step.jacobian(series), -step.residuals(series, reference)
     values, determinant = solve_many(matrix.copy(), right.copy())
     if step.loose:
         values, unsolved = least_norm(matrix, right, values, determinant)
         values = np.where(unsolved, np.nan, values)
-    for (j, order), value in zip(step.columns, values, strict=True):
-        series[j][order] = value
-    return determinant, matrix
+    return values, determinant, matrix
 
 
 def _scalar(step: Step, series: Series, reference: Array) -> Solved:

@@ -31,7 +31,8 @@ from ..paths.reference import Reference, ReferencePath
 LEAST_SAMPLES, MOST_SAMPLES = 101, 1_000_000
 """Of a move however short; more than the second is taken for a slip of the finger."""
 TAUT = 1e-9
-"""A tension below zero by less than this fraction of the rig's weight is zero to rounding."""
+"""A tension below zero by less than this fraction of the rig's weight is zero to rounding: it
+guards against refusing a rope without a load, such as one in line with two others (Y 6.1.1)."""
 
 
 @dataclass(frozen=True)
@@ -153,7 +154,10 @@ def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
         The rate is not > 0, or makes more than a million samples.
     """
     accept_columns(rig, reference)
-    needed = problem_of(rig).analysis.reference_order
+    # A rig off its rails is refused by `solve`; with endless ones the rest is looked at as well.
+    endless = tuple(replace(rail, start=-math.inf, end=math.inf) for rail in rig.rails)
+    unbounded = replace(rig, rails=endless)
+    needed = problem_of(unbounded).analysis.reference_order
     times = instants(reference.duration, rate)
     problems = []
     path = reference
@@ -162,9 +166,8 @@ def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
             f"the path has {reference.order} continuous derivatives, rig {rig.name} needs {needed}"
         )
         path = AsSmooth(reference, needed)
-    endless = tuple(replace(rail, start=-math.inf, end=math.inf) for rail in rig.rails)
     try:
-        motion = replace(solve(replace(rig, rails=endless), path, times), rig=rig)
+        motion = replace(solve(unbounded, path, times), rig=rig)
     except PathError as error:
         problems.append(str(error))
         return Feasibility(rig, reference, needed, tuple(problems), str(error), None, (), ())

@@ -38,6 +38,7 @@ REFINEMENTS = 3
 BETWEEN = 65
 """Samples each time."""
 GOLDEN = 0.5 * (3.0 - 5.0**0.5)
+"""Where the golden section cuts, so that each cut leaves 0.618 of an interval."""
 SECTIONS = 60
 """Golden sections of a rope span, which leave a 1e-12 of it."""
 
@@ -69,6 +70,7 @@ class Sphere:
     def segment_distance(self, begin: Array, end: Array) -> Array:
         """Smallest distance of the segments from `begin` to `end` (N, 3), shape (N,)."""
         along = end - begin
+        # A span may have no length: then its share of way is 0, not 0 / 0.
         square = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
         share = ((np.array(self.centre) - begin) * along).sum(axis=1) / square
         return self.distance(begin + np.clip(share, 0.0, 1.0)[:, None] * along)

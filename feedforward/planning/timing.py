@@ -33,13 +33,16 @@ from ..paths.reference import Reference, ReferencePath
 from .feasibility import TAUT, driven_unit
 
 SAMPLES, FINE = 501, 5001
-"""Samples along a move in the search, and to verify what it found."""
+"""Samples along a move in the search, and to verify what it found: a peak of an input or a dip of a
+tension may lie between those of the search."""
 LONGER, TRIES = 4.0, 5
 """The search begins at so many times the given duration, and takes as many times more, so often."""
 STEP = 2.0 ** (-1.0 / 8.0)
-"""From one duration of the grid to the next."""
+"""From one duration of the grid to the next; finer, the search takes longer, and coarser it may
+step over durations that are out of bounds in between."""
 PRECISION = 1e-4
-"""Relative, of the result."""
+"""Relative, of the result; the returned duration lies as much above the bisection's, so that it is
+not on the very bound."""
 
 
 @dataclass(frozen=True)
@@ -130,21 +133,19 @@ class _Bounds:
             raise
         except PathError as error:
             return _Tightest(-math.inf, "the workspace", 0.0, str(error))
-        candidates = []
+        bounds = []
         for rope, tensions in zip(self.rig.rope_names, motion.tensions.T, strict=True):
             i = int(tensions.argmin())
-            reason = f"the tension of rope {rope} is {tensions[i]:.4g} N at {times[i]:.4g} s"
+            reason = f"the tension of rope {rope} is {tensions[i]:.4g} N"
             spare = (tensions[i] - self.margin) / self.rig.weight
-            candidates.append(_Tightest(float(spare), f"rope {rope}", float(times[i]), reason))
+            bounds.append((spare, f"rope {rope}", times[i], reason))
         for drive, inputs in zip(self.rig.drives, np.abs(motion.inputs.T), strict=True):
             i = int(inputs.argmax())
-            needs = f"{inputs[i]:.4g} {driven_unit(self.rig, drive)}"
-            reason = f"drive {drive.name} needs {needs} at {times[i]:.4g} s"
+            reason = f"drive {drive.name} needs {inputs[i]:.4g} {driven_unit(self.rig, drive)}"
             spare = 1.0 - inputs[i] / (self.share * drive.limit)
-            candidates.append(
-                _Tightest(float(spare), f"drive {drive.name}", float(times[i]), reason)
-            )
-        return min(candidates)
+            bounds.append((spare, f"drive {drive.name}", times[i], reason))
+        spare, name, when, reason = min(bounds)
+        return _Tightest(float(spare), name, float(when), f"{reason} at {when:.4g} s")
 
     def hold(self, duration: float) -> bool:
         """Whether a move of this duration is within the bounds, up to rounding."""

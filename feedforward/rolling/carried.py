@@ -32,9 +32,8 @@ class Carried:
 
     def position(self, times: Array, swept: Array) -> Array:
         """Series (orders, N, 3), with the series of W, the integral of the angular velocity."""
-        part = share(self.move, times)
-        series = between(np.zeros(3), self.free @ np.array(self.move.shift), part)
-        series = series + swept @ self.rolled.T
+        shift = self.free @ np.array(self.move.shift)
+        series = between(np.zeros(3), shift, share(self.move, times)) + swept @ self.rolled.T
         series[0] += self.hand.position
         return series
 

@@ -89,9 +89,8 @@ class HandPlan:
             places[:, :, i] = position + (self.hand.held.radius + tip.radius) * direction
             if isinstance(tip, TurningTip):
                 spinning[:, :, i] = tip.spinning(direction, rate)
-                turns[:, i], tip_error = integrate(
-                    partial(self._tip_rate, tip), times, self.move.duration
-                )
+                tip_rate = partial(self._tip_rate, tip)
+                turns[:, i], tip_error = integrate(tip_rate, times, self.move.duration)
                 error = max(error, tip_error)
         return HandMotion(
             self.hand, self.move, times,
@@ -133,9 +132,8 @@ class HandPlan:
     def _tip_rate(self, tip: TurningTip, times: Array) -> Array:
         """Angular velocity of a tip at times (N,), shape (N, 3)."""
         rotation = self.turning.rotation(times)
-        return np.asarray(
-            tip.spinning(tip.direction(times, rotation), angular_velocity(rotation))[0]
-        )
+        direction = tip.direction(times, rotation)
+        return np.asarray(tip.spinning(direction, angular_velocity(rotation))[0])
 
     @cached_property
     def notes(self) -> tuple[str, ...]:

@@ -62,8 +62,7 @@ class AboutAxis:
 
     def turned(self, times: Array, factor: float) -> Array:
         """Rotation about the same axis by `factor` times the angle, (ORDERS, N, 3, 3)."""
-        part = share(self.move, times)
-        return about_axis(factor * self.vector, part)
+        return about_axis(factor * self.vector, share(self.move, times))
 
     def rotation(self, times: Array) -> Array:
         """See `Turning`."""

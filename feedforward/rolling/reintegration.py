@@ -57,15 +57,9 @@ def residuals(motion: HandMotion) -> Residuals:
 def _rolling(motion: HandMotion) -> float:
     """See `Residuals.rolling`."""
     count = len(motion.times)
-    velocities = np.concatenate(
-        (
-            motion.velocity,
-            motion.angular_velocity,
-            motion.finger_velocities.reshape(count, -1),
-            motion.tip_velocities.reshape(count, -1),
-        ),
-        axis=1,
-    )
+    fingers = motion.finger_velocities.reshape(count, -1)
+    tips = motion.tip_velocities.reshape(count, -1)
+    velocities = np.concatenate((motion.velocity, motion.angular_velocity, fingers, tips), axis=1)
     worst = 0.0
     for normals, velocity in zip(motion.normals, velocities, strict=True):
         worst = max(worst, float(np.abs(constraint_matrix(motion.hand, normals) @ velocity).max()))
