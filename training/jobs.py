@@ -30,7 +30,7 @@ from typing import Any, Generic, Protocol, TypeVar
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from ..models.errors import FlatrigError
-from ..models.files import OutputError, write_text
+from ..models.files import append_text, write_text
 from .console import console
 
 PACKAGE = Path(__file__).parents[1]
@@ -212,7 +212,7 @@ class Jobs(Generic[Item, Value]):
         missing = {number: items[number] for number, key in enumerate(keys) if key not in store}
         for number, ending in self.backend(self.function, missing, self.retries):
             if self.file is not None and not isinstance(ending, Exception):
-                _append(self.file, {"key": keys[number], "value": ending})
+                append_text(self.file, _line({"key": keys[number], "value": ending}))
             yield number, ending
 
     def _key(self, item: Item) -> str:
@@ -241,14 +241,6 @@ def _read(file: Path) -> dict[str, Any]:
     except (OSError, ValueError):  # no file, another's, or a last line that was cut off
         pass
     return stored
-
-
-def _append(file: Path, entry: dict[str, Any]) -> None:
-    try:
-        with file.open("a", encoding="utf-8") as lines:
-            lines.write(_line(entry))
-    except OSError as error:
-        raise OutputError(f"cannot write {file}: {error.strerror}") from None
 
 
 def _line(entry: dict[str, Any]) -> str:

@@ -16,7 +16,7 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 from rich.text import Text
 
-from ..models.files import OutputError, write_text
+from ..models.files import append_text, write_text
 
 
 def write_csv(
@@ -57,12 +57,8 @@ def append_csv(path: Path, row: Mapping[str, object]) -> None:
     OutputError
         It cannot be written.
     """
-    try:
-        columns = [] if path.exists() else [row.keys()]
-        with path.open("a", encoding="utf-8") as file:
-            file.write(_lines([*columns, row.values()]))
-    except OSError as error:
-        raise OutputError(f"cannot write {path}: {error.strerror}") from None
+    columns = [] if path.exists() else [row.keys()]
+    append_text(path, _lines([*columns, row.values()]))
 
 
 def _lines(rows: Iterable[Iterable[object]]) -> str:
