@@ -24,7 +24,8 @@ from ...models.mjcf import rig_model
 from ...models.types import Array
 
 THREADS = 2
-NOW = int(mujoco.mjtStage.mjSTAGE_ACC)
+"""Number of threads of a batch."""
+ACCELERATIONS = int(mujoco.mjtStage.mjSTAGE_ACC)
 """Stage that makes accelerations and forces those of the new state."""
 STICKING = (0.9999, 0.9999, 0.001, 0.5, 2.0)
 """`solimp` of a winch's dry friction: with MuJoCo's own a stuck rope creeps at 1e-3 m/s."""
@@ -36,14 +37,16 @@ class Course:
 
     rig: Rig
     times: Array
-    """[s], shape (S,)."""
+    """Instants of the samples [s], shape (S,)."""
     values: Mapping[str, Array]
-    """Of every coordinate in `Rig.coordinate_names`, each (S, N)."""
+    """Every coordinate in `Rig.coordinate_names` [m] or [rad], each (S, N)."""
     rates: Mapping[str, Array]
+    """Rate of every coordinate [m/s] or [rad/s], each (S, N)."""
     tensions: Array
-    """[N], shape (S, N, ropes), of winches without dry friction; a real rope has none below 0."""
+    """Rope tensions without a winch's dry friction [N], shape (S, N, ropes); a real rope has none
+    below 0."""
     inputs: Array
-    """What the drives give [N, N m], shape (S, N, drives)."""
+    """Forces and torques of the drives [N, N m], shape (S, N, drives)."""
 
     @property
     def outputs(self) -> Array:
@@ -72,11 +75,11 @@ def closed_loop(
     values
         Initial coordinates of frames, trolleys and loads by name, each (N,).
     rates
-        Their rates.
+        Their initial rates, each (N,).
     duration
-        Of the run [s].
+        Duration of the run [s].
     timestep
-        Of the simulation [s].
+        Time step of the simulation [s].
     every
         Steps from one sample to the next.
     massless
@@ -92,17 +95,14 @@ def closed_loop(
     ModelError
         The simulation breaks down, or MuJoCo cannot hold the rig.
     """
+    rig, rubs = regulator.rig, each_step is not None
     model = rig_model.compile(
-        regulator.rig,
-        timestep=timestep,
-        visuals=False,
-        friction=each_step is not None,
-        massless=massless,
+        rig, timestep=timestep, visuals=False, friction=rubs, massless=massless
     )
     _fit_springs(model, regulator)
     model.tendon_solimp_fri[:] = STICKING
     model.tendon_solref_fri[:, 0] = 4.0 * timestep
-    batch = _batch(model, rig_model.joint_state(regulator.rig, model, values, rates))
+    batch = _batch(model, rig_model.joint_state(rig, model, values, rates))
     live = [batch.bind(name) for name in ("ctrl", "qpos", "qvel", "qacc", "actuator_force")]
     ctrl, *recorded = live
     commands = command(regulator, regulator.rest if reference is None else reference)
@@ -110,20 +110,19 @@ def closed_loop(
     batch.forward()
     record = [[part.copy() for part in recorded]]
     steps = round(duration / timestep)
-    stride = every if reference is None and each_step is None else 1
+    stride = every if reference is None and not rubs else 1
     for k in range(0, steps, stride):
         ctrl[:] = commands[min(k, len(commands) - 1)]
         if each_step is not None:
             each_step(model, batch, k)
-        batch.step(None, stride, NOW)
+        batch.step(None, stride, ACCELERATIONS)
         if (k + stride) % every == 0:
             record.append([part.copy() for part in recorded])
     if batch.warning.any():
         raise ModelError(
-            f"{regulator.rig.name}: the simulation breaks down; "
-            "a smaller time step or smaller gains may help"
+            f"{rig.name}: the simulation breaks down; a smaller time step or smaller gains may help"
         )
-    return _course(regulator.rig, model, every * timestep, record)
+    return _course(rig, model, every * timestep, record)
 
 
 def command(regulator: Regulator, motion: Motion) -> Array:

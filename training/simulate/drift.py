@@ -22,7 +22,7 @@ from ...models.mjcf.simulate import run
 from ...models.types import Array
 
 DURATION = 1.0
-"""[s]"""
+"""Duration of a run [s]."""
 PUSH = 0.1
 """Speed of every joint at the start [m/s] or [rad/s]."""
 INSTANTS = 100
@@ -36,17 +36,18 @@ class Free(NamedTuple):
 
     rig: Rig
     coordinates: dict[str, float]
-    """At the start; none: at home, pushed."""
+    """Coordinates at the start [m] or [rad]; none for a rig at home whose joints are pushed."""
     rates: dict[str, float]
+    """Rates at the start [m/s] or [rad/s]."""
 
 
 class Drift(NamedTuple):
     """Largest departures from the start."""
 
     energy: float
-    """[J]"""
+    """Largest change of the energy [J]."""
     momentum: float
-    """Over the momentum at the start, of the worst joint; not a number where none is conserved."""
+    """Largest change of a joint's momentum, over that at the start; NaN where none is conserved."""
 
 
 def free_motion(name: str) -> Free:
@@ -73,13 +74,12 @@ def drift(model: mujoco.MjModel, free: Free) -> Drift:
         qpos, qvel = rig_model.joint_state(free.rig, model, free.coordinates, free.rates)
     steps = round(DURATION / model.opt.timestep)
     state = run(model, qpos, qvel, np.zeros((steps, model.nu)))
-    look = np.unique(np.linspace(0, steps, INSTANTS + 1).astype(int))
-    kept = cyclic(model)
-    rows = [_conserved(model, state.qpos[i], state.qvel[i], kept) for i in look]
-    energy = np.array([row[0] for row in rows])
-    momentum = np.array([row[1] for row in rows])
-    lost = np.abs(momentum - momentum[0]) / np.abs(momentum[0])
-    worst = float(lost.max()) if len(kept) else float("nan")
+    instants = np.unique(np.linspace(0, steps, INSTANTS + 1).astype(int))
+    joints = cyclic(model)
+    rows = [_conserved(model, state.qpos[i], state.qvel[i], joints) for i in instants]
+    energy, momentum = map(np.array, zip(*rows, strict=True))
+    departure = np.abs(momentum - momentum[0]) / np.abs(momentum[0])
+    worst = float(departure.max()) if len(joints) else float("nan")
     return Drift(float(np.abs(energy - energy[0]).max()), worst)
 
 
@@ -88,7 +88,7 @@ def cyclic(model: mujoco.MjModel) -> Array:
     generator = np.random.default_rng(0)
     base = model.key_qpos[0] + generator.uniform(-0.3, 0.3, model.nq)
     mass, weight = _mass_and_weight(model, base)
-    found = []
+    joints = []
     for joint in range(model.nv):
         moved = base.copy()
         moved[joint] += 0.5
@@ -96,8 +96,8 @@ def cyclic(model: mujoco.MjModel) -> Array:
         same = np.abs(other - mass).max() <= SAME * np.abs(mass).max()
         free = np.abs(weight[joint]) <= SAME * np.abs(weight).max()
         if same and free and np.abs(pull - weight).max() <= SAME * np.abs(weight).max():
-            found.append(joint)
-    return np.array(found, dtype=int)
+            joints.append(joint)
+    return np.array(joints, dtype=int)
 
 
 def _mass_and_weight(model: mujoco.MjModel, qpos: Array) -> tuple[Array, Array]:
@@ -107,15 +107,17 @@ def _mass_and_weight(model: mujoco.MjModel, qpos: Array) -> tuple[Array, Array]:
     return _mass_matrix(model, data), data.qfrc_bias - data.qfrc_passive
 
 
-def _conserved(model: mujoco.MjModel, qpos: Array, qvel: Array, kept: Array) -> tuple[float, Array]:
-    """Energy [J], and the momenta of the joints `kept`."""
+def _conserved(
+    model: mujoco.MjModel, qpos: Array, qvel: Array, joints: Array
+) -> tuple[float, Array]:
+    """Energy [J], and the momenta of some joints."""
     data = mujoco.MjData(model)
     data.qpos[:] = qpos
     mujoco.mj_fwdPosition(model, data)
     momentum = _mass_matrix(model, data) @ qvel
     weights = model.body_mass * (1.0 - model.body_gravcomp)
     height = -float(weights @ (data.xipos @ model.opt.gravity))
-    return 0.5 * float(qvel @ momentum) + height, momentum[kept]
+    return 0.5 * float(qvel @ momentum) + height, momentum[joints]
 
 
 def _mass_matrix(model: mujoco.MjModel, data: mujoco.MjData) -> Array:

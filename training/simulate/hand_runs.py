@@ -16,20 +16,15 @@ from scipy.spatial.transform import Rotation
 from ...feedforward.rolling import HandMotion, HandPlan, in_cones, joint_forces
 from ...models.errors import ModelError
 from ...models.hand.hand import Hand
+from ...models.mjcf import hand_state
 from ...models.mjcf.hand_contacts import ContactLog
-from ...models.mjcf.hand_state import (
-    HandIndex,
-    joint_positions,
-    object_poses,
-    slide_positions,
-    slide_rates,
-)
+from ...models.mjcf.hand_state import HandIndex
 from ...models.types import Array
 
 SERVO = 100.0
 """Frequency of the critically damped servo of every slide and turn [rad/s]."""
 INSTANTS = 401
-"""At which contact forces are computed."""
+"""Number of instants at which contact forces are computed."""
 MARGIN = 0.2
 """Share of friction that planned forces keep in reserve."""
 PRESS = 0.5
@@ -45,15 +40,16 @@ class Track:
     hand: Hand
     motion: HandMotion
     forces: Array
-    """Of the contacts at the beginning [N], shape (fingers,)."""
+    """Normal forces of the contacts at the beginning [N], shape (fingers,)."""
     slides: Array
     """Positions of all slides [m], shape (N, slides)."""
     speeds: Array
-    """[m/s], shape (N, slides)."""
+    """Speeds of all slides [m/s], shape (N, slides)."""
     tips: Array
     """Orientations of all tips, quaternions, shape (N, fingers, 4)."""
     inputs: Array
-    """Of the motors without any error, in the order of `joint_forces`, shape (N, motors)."""
+    """Inputs of the motors without any error [N, N m], as `joint_forces` orders them, shape
+    (N, motors)."""
 
     @classmethod
     def of(cls, plan: HandPlan, step: float, seconds: float) -> "Track":
@@ -72,9 +68,8 @@ class Track:
     def still(cls, plan: HandPlan, step: float, seconds: float) -> "Track":
         """Hold a plan's first pose; otherwise as `of`."""
         rest = plan(np.zeros(round(seconds / step) + 1))
-        return cls._of(
-            replace(rest, times=np.asarray(step * np.arange(len(rest.times)))), plan([0.0]), step
-        )
+        times = np.asarray(step * np.arange(len(rest.times)))
+        return cls._of(replace(rest, times=times), plan([0.0]), step)
 
     @classmethod
     def _of(cls, motion: HandMotion, few: HandMotion, step: float) -> "Track":
@@ -83,15 +78,10 @@ class Track:
         forces = in_cones(few, MARGIN, PRESS if len(hand.fingers) > 1 else 0.0)
         motors = joint_forces(few, forces).values
         inputs = [np.interp(motion.times, few.times, column) for column in motors.T]
-        return cls(
-            hand,
-            motion,
-            forces.normal[0],
-            slide_positions(hand, motion.finger_positions),
-            slide_rates(hand, motion.finger_velocities),
-            _turned(motion.tip_velocities, step),
-            np.stack(inputs, axis=1),
-        )
+        slides = hand_state.slide_positions(hand, motion.finger_positions)
+        speeds = hand_state.slide_rates(hand, motion.finger_velocities)
+        tips = _turned(motion.tip_velocities, step)
+        return cls(hand, motion, forces.normal[0], slides, speeds, tips, np.stack(inputs, axis=1))
 
 
 def there_and_back(plan: HandPlan, times: Array) -> HandMotion:
@@ -115,11 +105,11 @@ def _turned(velocities: Array, step: float) -> Array:
     turns = 0.5 * step * (velocities[1:] + velocities[:-1])
     result = np.zeros((*velocities.shape[:2], 4))
     for i in range(velocities.shape[1]):
-        now = Rotation.identity()
+        rotation = Rotation.identity()
         result[0, i, 0] = 1.0
         for k, turn in enumerate(Rotation.from_rotvec(turns[:, i]), start=1):
-            now = turn * now
-            result[k, i] = now.as_quat(scalar_first=True)
+            rotation = turn * rotation
+            result[k, i] = rotation.as_quat(scalar_first=True)
     return result
 
 
@@ -131,7 +121,7 @@ class HandRun:
     qpos: Array
     """Joint positions at each step, shape (N, nq); it ends where a finger lost the object."""
     distance: Array
-    """Of the object's centre from its path [m], shape (N,)."""
+    """Distance of the object's centre from its path [m], shape (N,)."""
     turned: Array
     """Angle between its orientation and the planned one [rad], shape (N,)."""
     lost: str
@@ -152,7 +142,7 @@ def run_track(model: mujoco.MjModel, track: Track, servo: float = SERVO) -> Hand
     hand, motion, data = track.hand, track.motion, mujoco.MjData(model)
     index, log, lost = HandIndex.of(hand, model), ContactLog(hand, model), ""
     pose = motion.position[0], motion.rotation[0], motion.finger_positions[0]
-    qpos = [joint_positions(hand, model, *pose, track.forces)]
+    qpos = [hand_state.joint_positions(hand, model, *pose, track.forces)]
     data.qpos[:] = qpos[0]
     apart = np.zeros(len(hand.fingers))
     for k, inputs in enumerate(track.inputs[:-1]):
@@ -166,7 +156,7 @@ def run_track(model: mujoco.MjModel, track: Track, servo: float = SERVO) -> Hand
         if apart.max() > LOST:
             lost = hand.finger_names[int(apart.argmax())]
             break
-    path, rotation = object_poses(hand, np.array(qpos))
+    path, rotation = hand_state.object_poses(hand, np.array(qpos))
     count = len(qpos)
     away = np.linalg.norm(path - motion.position[:count], axis=1)
     planned = Rotation.from_matrix(motion.rotation[:count])
@@ -180,9 +170,9 @@ def _correct(data: mujoco.MjData, track: Track, index: HandIndex, k: int, servo:
     error += 2 * servo * (track.speeds[k] - data.qvel[index.rates])
     data.ctrl[index.motors] += index.masses * error
     for tip in index.tips:
-        now, error, angle, rate = data.qpos[tip.qpos], np.zeros(4), np.zeros(3), np.zeros(3)
-        mujoco.mju_mulQuat(error, track.tips[k, tip.finger], now * (1, -1, -1, -1))
+        pose, error, angle, rate = data.qpos[tip.qpos], np.zeros(4), np.zeros(3), np.zeros(3)
+        mujoco.mju_mulQuat(error, track.tips[k, tip.finger], pose * (1, -1, -1, -1))
         mujoco.mju_quat2Vel(angle, error, 1.0)
-        mujoco.mju_rotVecQuat(rate, data.qvel[tip.qvel], now)
+        mujoco.mju_rotVecQuat(rate, data.qvel[tip.qvel], pose)
         missing = track.motion.tip_velocities[k, tip.finger] - rate
         data.ctrl[tip.motors] += tip.inertia * tip.axes @ (servo**2 * angle + 2 * servo * missing)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from ...envs.crane.payloads import payloads
 from ...feedforward import Motion, Reference, solve
 from ...models import Rig, Ropes
 from ...models.mjcf import rig_model
@@ -14,10 +15,10 @@ from ...models.mjcf.simulate import accelerations, run
 from ...models.types import Array
 
 STAND_IN = 1e-5
-"""Mass that stands in for that of a massless pulley, over that of all loads."""
-
+"""Mass that stands in for that of a massless pulley, over that of all loads; `flatrig accuracy`
+says how far the motion then is from the massless one."""
 AT_ONCE = 1000
-"""States whose tensions are found at once."""
+"""States whose tensions are found at once, so that a long run does not fill the memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,30 +26,30 @@ class OpenLoop:
     """A run at K + 1 instants, one time step apart."""
 
     times: Array
-    """[s], shape (K + 1,)."""
+    """Instants [s], shape (K + 1,)."""
     qpos: Array
     """Joint positions of the model, shape (K + 1, nq)."""
     qvel: Array
     """Joint velocities, shape (K + 1, nv)."""
     distance: Array
-    """Of the load or platform that is farthest from where it should be [m], shape (K + 1,)."""
+    """Distance of the load or platform that is farthest from its place [m], shape (K + 1,)."""
     motion: Motion
     """What `solve` says at the same instants."""
     model: mujoco.MjModel
-    """The one that ran."""
+    """The model that ran."""
     seconds: float
-    """Spent on its steps."""
+    """Time that its steps took [s]."""
 
     def tensions(self) -> Array:
-        """Of the ropes in MuJoCo under the exact inputs of each instant, (K + 1, ropes) [N]."""
+        """Rope tensions in MuJoCo under the exact inputs of each instant [N], (K + 1, ropes)."""
         inputs = self.motion.inputs
-        found = []
+        tensions = []
         for begin in range(0, len(self.times), AT_ONCE):
             part = slice(begin, begin + AT_ONCE)
             state = (self.qpos[part], self.qvel[part])
             acceleration = accelerations(self.model, *state, inputs[part])
-            found.append(rig_model.tensions(self.motion.rig, *state, acceleration, inputs[part]))
-        return np.concatenate(found)
+            tensions.append(rig_model.tensions(self.motion.rig, *state, acceleration, inputs[part]))
+        return np.concatenate(tensions)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,11 +57,11 @@ class Prepared:
     """A move's exact motion and inputs for one time step, ready for any model of the rig."""
 
     times: Array
-    """[s], shape (K + 1,)."""
+    """Instants [s], shape (K + 1,)."""
     motion: Motion
-    """At these times."""
+    """The exact motion at these instants."""
     inputs: Array
-    """At the middle of each step, shape (K, drives)."""
+    """Inputs at the middle of each step [N, N m], shape (K, drives)."""
 
     def run(self, model: mujoco.MjModel) -> OpenLoop:
         """The move in a model of that time step.
@@ -105,25 +106,22 @@ def open_loop(
     reference
         Path of its outputs.
     timestep
-        Of the simulation and of the held inputs [s].
+        Time step of the simulation and of the held inputs [s].
     hold
         How long to go on after arrival [s].
     massless
         Mass that stands in for that of a massless pulley [kg]; `STAND_IN` if left out.
     ropes
-        Of the model, as for `models.compile`; the inputs stay those of rigid ones.
+        Ropes of the model, as for `models.compile`; the inputs stay those of rigid ones.
 
     Raises
     ------
     FlatrigError
         The rig cannot follow the path, or MuJoCo cannot hold the rig.
     """
-    prepared = prepare(rig, reference, timestep, hold)
-    return prepared.run(
-        rig_model.compile(
-            rig, timestep=timestep, visuals=False, massless=massless or stand_in(rig), ropes=ropes
-        )
-    )
+    prepared, mass = prepare(rig, reference, timestep, hold), massless or stand_in(rig)
+    model = rig_model.compile(rig, timestep=timestep, visuals=False, massless=mass, ropes=ropes)
+    return prepared.run(model)
 
 
 def stand_in(rig: Rig) -> float | None:
@@ -137,13 +135,10 @@ def _distance(motion: Motion, qpos: Array) -> Array:
     """How far the worst load or platform is from its place, free pulleys left aside, (N,) [m]."""
     rig = motion.rig
     places = points(rig, qpos, np.zeros_like(qpos))
-    passed = {point for rope in rig.ropes for point in rope.path[1:-1]}
-    hanging = [part.name for part in rig.loads if part.name not in passed]
-    hanging += [platform.name for platform in rig.platforms]
-    found = []
-    for name in hanging:
-        wanted = [motion.positions[:, motion.column(f"{name}.{axis}")] for axis in rig.axes]
-        axes = ["xyz".index(axis) for axis in rig.axes]
-        offset = places[name][0][:, axes] - np.stack(wanted, axis=-1)
-        found.append(np.linalg.norm(offset, axis=-1))
-    return np.asarray(np.max(found, axis=0))
+    axes = ["xyz".index(axis) for axis in rig.axes]
+    distances = []
+    for part in payloads(rig):
+        columns = [motion.column(f"{part.name}.{axis}") for axis in rig.axes]
+        offset = places[part.name][0][:, axes] - motion.positions[:, columns]
+        distances.append(np.linalg.norm(offset, axis=-1))
+    return np.asarray(np.max(distances, axis=0))
