@@ -179,12 +179,6 @@ def _weights(count: int, seed: int, resamples: int) -> Array:
     return rng.multinomial(count, np.full(count, 1.0 / count), size=resamples).astype(np.float64)
 
 
-def estimate(values: Array, resamples: Array) -> Estimate:
-    """The mean of `values` (N,) with the percentile interval of its `resamples` (R,)."""
-    finite = values[np.isfinite(values)]
-    return _interval(float(finite.mean()) if finite.size else np.nan, resamples)
-
-
 def relative_change(values: Array, base: Array, seed: int = 0) -> Estimate:
     """Mean of `values` over mean of `base`, minus 1, both (N,), with its paired interval."""
     means = paired_means(np.stack((values, base)), seed)
@@ -196,7 +190,11 @@ def relative_change(values: Array, base: Array, seed: int = 0) -> Estimate:
 def estimates(values: Sequence[Array], seed: int = 0) -> list[Estimate]:
     """The mean of each controller's values (N,), with intervals from one paired resampling."""
     means = paired_means(np.stack(values), seed)
-    return [estimate(value, column) for value, column in zip(values, means.T, strict=True)]
+    finite = [value[np.isfinite(value)] for value in values]
+    return [
+        _interval(float(value.mean()) if value.size else np.nan, column)
+        for value, column in zip(finite, means.T, strict=True)
+    ]
 
 
 def _interval(value: float, resamples: Array) -> Estimate:

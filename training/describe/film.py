@@ -44,9 +44,9 @@ def main(command: options.Render) -> None:
             Image.fromarray(strip).save(beside)
         out.print(f"wrote {path}: {STILLS} pictures side by side", soft_wrap=True)
         return
-    total = int(run.times[-1] * fps + 1e-9) + 1
-    watched = track(images, f"Filming {rig.name}", total, console=out, transient=True)
-    render.save_animation(path, watched, fps)
+    total = int(run.times[-1] * fps + 1e-9) + 1  # a last picture must not be lost to rounding
+    progress = track(images, f"Filming {rig.name}", total, console=out, transient=True)
+    render.save_animation(path, progress, fps)
     out.print(f"wrote {path}: {total} pictures, {run.times[-1]:g} s", soft_wrap=True)
 
 

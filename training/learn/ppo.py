@@ -91,10 +91,9 @@ class Training:
             self.model.learn(10**12, callback=watch, reset_num_timesteps=False)
         self.evaluate()
         best = Policy.load(self.folder / "policy")
-        result = self.judge.residual(best, self.fraction)
         self.out.print(
             f"best policy, of decision {best.card.training['steps']}: "
-            f"{self._in_words(float(result.rmse.mean()), int(result.failed.sum()))} "
+            f"{self._in_words(*self._judge(best))} "
             "on the validation scenarios that it was selected on; "
             f"{self.steps} decisions in {self.spent / 60:.1f} min; "
             f"written to {self.folder}/policy.json",
@@ -107,6 +106,11 @@ class Training:
         early = f", {failed} ended early" if failed else ""
         return f"{1e3 * rmse:.1f} mm ({100 * (rmse / self.base - 1.0):+.0f} %){early}"
 
+    def _judge(self, policy: Policy) -> tuple[float, int]:
+        """Mean tracking error of a policy [m], and how many runs ended early."""
+        result = self.judge.residual(policy, self.fraction)
+        return float(result.rmse.mean()), int(result.failed.sum())
+
     def progress(self) -> float:
         """Share of the budget that is spent."""
         return self.command.progress(self.steps, self.spent)
@@ -114,8 +118,7 @@ class Training:
     def evaluate(self) -> str:
         """Judge the present policy, keep it if it is the best, and write a checkpoint."""
         policy = export(self.model.policy, self.adapter, self.card)  # type: ignore[arg-type]
-        result = self.judge.residual(policy, self.fraction)
-        rmse, failed = float(result.rmse.mean()), int(result.failed.sum())
+        rmse, failed = self._judge(policy)
         row = {
             "seconds": round(self.spent, 1),
             "steps": self.steps,
@@ -163,15 +166,17 @@ class Training:
         settings, progress = self.settings, self.progress()
         if progress < settings.imitation:
             return settings.imitation_rate
-        remaining = (1.0 - progress) / max(1.0 - settings.imitation, 1e-9)  # imitation may be all
+        # Imitation may take the whole budget: nothing remains then, and must not be 0 / 0.
+        remaining = (1.0 - progress) / max(1.0 - settings.imitation, 1e-9)
         return settings.learning_rate * (0.1 + 0.9 * remaining)
 
     def _resume(self) -> None:
         state = checkpoint.read(self.folder, self.model, self.adapter)
         self.steps = self.model.num_timesteps = state["steps"]
         self.spent, self.best = state["spent"], state["best"]
-        chance = np.random.SeedSequence([self.command.seed, self.steps])
-        self.model.set_random_seed(int(chance.generate_state(1)[0]))  # other scenarios than before
+        # A seed of its own, so that the scenarios are others than before.
+        sequence = np.random.SeedSequence([self.command.seed, self.steps])
+        self.model.set_random_seed(int(sequence.generate_state(1)[0]))
 
 
 class _Watch(BaseCallback):

@@ -44,19 +44,19 @@ def read_config(
         config = json.loads(path.read_text(encoding="utf-8"))
         settings = Settings(**_tuples(config["settings"]))
         begun_with = _tuples(config["options"])
-        for later in config.get("resumed", []):
-            begun_with |= {"minutes": later["minutes"], "steps": later["steps"]}
+        for resumption in config.get("resumed", []):
+            begun_with |= {"minutes": resumption["minutes"], "steps": resumption["steps"]}
         rig = config["rig"]
     except OSError as error:
         raise OptionError(f"cannot read {path}: {error.strerror}") from None
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise OptionError(f"{path} is of no run that this version can resume: {error}") from None
-    other = f"{command.rig} is not the rig with the move in {path}, which the run is about"
+    mismatch = f"{command.rig} is not the rig with the move in {path}, which the run is about"
     if command.target()[0].name != loads(rig)[0].name:
-        raise OptionError(other)
+        raise OptionError(mismatch)
     command = _with_options(command, begun_with, folder)
     if dumps(*command.target()) != rig:
-        raise OptionError(other)
+        raise OptionError(mismatch)
     return command, settings, config
 
 
@@ -139,9 +139,9 @@ def write_config(
         It cannot be written.
     """
     if config:
-        later = {"command": command_line(), "from": steps}
-        later |= {"minutes": command.minutes, "steps": command.steps}
-        config = config | {"resumed": [*config.get("resumed", []), later]}
+        resumption = {"command": command_line(), "from": steps}
+        resumption |= {"minutes": command.minutes, "steps": command.steps}
+        config = config | {"resumed": [*config.get("resumed", []), resumption]}
     else:
         config = {
             "command": command_line(),

@@ -73,28 +73,29 @@ class Adapter(VecEnv):
         self.lessons.append(self.env.advice())
 
     def step_wait(self) -> tuple[Single, Single, Mask, list[dict[str, Any]]]:
-        """Go on to the next decision; after an episode's end, `seen` is of the next one."""
+        """Go on to the next decision; after an episode's end the inputs are the next one's."""
         total = np.zeros(self.num_envs)
-        over = np.zeros(self.num_envs, dtype=bool)
+        finished = np.zeros(self.num_envs, dtype=bool)
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for _ in range(self.recall.every):
-            observation, reward, ended, cut, _ = self.env.step(self.recall.act(self.memory))
-            reward = np.where(over, 0.0, reward)
+            action = self.recall.act(self.memory)
+            observation, reward, terminated, truncated, _ = self.env.step(action)
+            reward = np.where(finished, 0.0, reward)
             total += reward
             self._returns += reward
             self._lengths += 1
-            done = (ended | cut | (self._lengths >= self._longest)) & ~over
-            seen = self._look(observation)
+            done = (terminated | truncated | (self._lengths >= self._longest)) & ~finished
+            inputs = self._look(observation)
             if done.any():
                 for i in np.flatnonzero(done):
                     infos[i] = {
-                        "terminal_observation": seen[i],
-                        "TimeLimit.truncated": not ended[i],
+                        "terminal_observation": inputs[i],
+                        "TimeLimit.truncated": not terminated[i],
                         "episode": {"r": self._returns[i], "l": int(self._lengths[i]), "t": 0.0},
                     }
-                seen = np.where(done[:, None], self._restart(done), seen)
-                over |= done
-        return seen, total.astype(np.float32), over, infos
+                inputs = np.where(done[:, None], self._restart(done), inputs)
+                finished |= done
+        return inputs, total.astype(np.float32), finished, infos
 
     def _restart(self, ids: Mask) -> Single:
         """Begin new episodes; what the networks see of them."""
@@ -114,16 +115,13 @@ class Adapter(VecEnv):
         memory.slow[ids] = part.slow
         whole = np.concatenate((features, private), axis=1)
         self.normaliser.update(whole[ids])
-        return self._normal(whole)
-
-    def _normal(self, features: Array) -> Single:
-        return np.clip((features - self.normaliser.mean) / self.scale, -CLIP, CLIP).astype(
-            np.float32
-        )
+        normal = (whole - self.normaliser.mean) / self.scale
+        return np.clip(normal, -CLIP, CLIP).astype(np.float32)
 
     @property
     def scale(self) -> Array:
         """Standard deviations of features and private entries."""
+        # 1e-8 keeps entries that have never varied from being divided by zero; SB3's own value.
         return np.asarray(np.sqrt(self.normaliser.var + 1e-8))
 
     def close(self) -> None:
@@ -203,7 +201,7 @@ def export(network: Network, adapter: Adapter, card: Card) -> Policy:
         [p.detach().cpu().numpy().astype(np.float64) for p in (layer.weight, layer.bias)]
         for layer in layers
     ]
-    public = adapter.recall.features
+    public = adapter.recall.features  # the private entries follow
     return Policy(
         card=card,
         weights=tuple(weight for weight, _ in numbers),
