@@ -116,9 +116,8 @@ class Simulations(ABC, Generic[PlanT, ScenarioT]):
             self._inertias[sim, bodies] = factor * self.model.body_inertia[bodies]
 
 
-def bare_model(scene: mujoco.MjSpec) -> mujoco.MjModel:
-    """Compile the physics of an environment, whose warnings go to the console only."""
+def let_errors_show(scene: mujoco.MjSpec) -> None:
+    """Prepare a scene for an environment, whose warnings go to the console only."""
     leave_no_log()
     # A state that is not finite must show, not be replaced by the initial one without a word.
     scene.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
-    return scene.compile()

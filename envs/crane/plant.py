@@ -13,7 +13,7 @@ from ...models.mjcf.rig_state import State, coordinates, joint_state, points
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import NOT_FINITE, NOTHING, Ids
-from ..simulations import Simulations, bare_model
+from ..simulations import Simulations, let_errors_show
 from .disturbances import Scenario
 from .friction_forces import DryFriction, ViscousFriction
 from .geometry import angle_joints, geometry_of, hangers, turned
@@ -213,17 +213,22 @@ def _model(
     rig: Rig, timestep: float, friction: bool, rates: bool, massless: float | None
 ) -> mujoco.MjModel:
     """The rig's bare physics, with the loads' velocities as sensors if asked for."""
-    scene = rig_model.spec(
-        rig, timestep=timestep, visuals=False, friction=friction, massless=massless
-    )
-    if rates:
-        for name in [part.name for part in rig.hanging]:
+
+    def extend(scene: mujoco.MjSpec) -> None:
+        let_errors_show(scene)
+        for part in rig.hanging if rates else ():
             scene.add_sensor(
-                name=f"{name}.velocity",
+                name=f"{part.name}.velocity",
                 type=mujoco.mjtSensor.mjSENS_FRAMELINVEL,
                 objtype=mujoco.mjtObj.mjOBJ_SITE,
-                objname=name,
+                objname=part.name,
             )
-    model = bare_model(scene)
-    rig_model.check(model)
-    return model
+
+    return rig_model.compile(
+        rig,
+        timestep=timestep,
+        visuals=False,
+        friction=friction,
+        massless=massless,
+        extend=extend,
+    )

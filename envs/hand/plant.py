@@ -17,7 +17,7 @@ from ...models.mjcf.hand_model import OBJECT, RECOMMENDED, finger_home, hand_spe
 from ...models.mjcf.hand_state import HandIndex, joint_positions
 from ...models.types import Array
 from ..common import NOT_FINITE, Ids
-from ..simulations import Simulations, bare_model
+from ..simulations import Simulations, let_errors_show
 from .disturbances import HandScenario
 from .plan import HandPlan, Start, hand_layout
 
@@ -191,4 +191,6 @@ class HandPlant(Simulations[HandPlan, HandScenario]):
 
 def _model(hand: Hand, timestep: float) -> mujoco.MjModel:
     """The hand's bare physics."""
-    return bare_model(hand_spec(hand, replace(RECOMMENDED, timestep=timestep), visuals=False))
+    scene = hand_spec(hand, replace(RECOMMENDED, timestep=timestep), visuals=False)
+    let_errors_show(scene)
+    return scene.compile()

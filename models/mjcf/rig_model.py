@@ -22,6 +22,7 @@ from the body above), sites as the points, tendons as the ropes, actuators as th
 "overview" and "side", keyframe "home" with the inputs that hold it.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import mujoco
@@ -86,6 +87,7 @@ def compile(
     friction: bool = False,
     massless: float | None = None,
     ropes: str | Ropes = "rigid",
+    extend: Callable[[mujoco.MjSpec], object] | None = None,
 ) -> mujoco.MjModel:
     """The rig's MuJoCo model, checked for dropped inertia.
 
@@ -106,6 +108,8 @@ def compile(
         Stands in for the mass of loads that have none [kg]; None refuses them.
     ropes
         "rigid", "elastic", "slack", or `Ropes` with their numbers.
+    extend
+        Adds to the scene before it is compiled: sensors, flags.
 
     Raises
     ------
@@ -116,6 +120,8 @@ def compile(
     scene = _scene(rig, timestep, integrator, visuals, friction, massless, material)
     if not visuals:
         scene.memory = MEMORY[0] + MEMORY[1] * len(scene.joints) ** 2
+    if extend is not None:
+        extend(scene)
     model = compile_at_rest(scene, rig, material)
     check(model)
     return model
