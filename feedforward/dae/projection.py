@@ -120,13 +120,9 @@ class Projection(Direct):
         forces = mechanics.forces(z, zd[:k], zdd[:k])
         inner = self.assemble(forces, given, z, zd, zdd, slopes)
         caused = free(mechanics, forces, z, zd[:k], zdd[:k], slopes)
-        residual = np.concatenate(
-            (
-                self.tangent.T @ inner.residual[:k],
-                servo @ caused.acceleration - given[2],
-                inner.residual[k:],
-            )
-        )
+        free_motion = self.tangent.T @ inner.residual[:k]
+        prescribed = servo @ caused.acceleration - given[2]
+        residual = np.concatenate((free_motion, prescribed, inner.residual[k:]))
         if inner.jacobian is None or caused.jacobian is None:
             return Evaluated(residual, None)
         along = np.zeros((3, len(servo), len(z)))

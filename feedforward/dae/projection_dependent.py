@@ -68,14 +68,9 @@ class DependentProjection(Projection):
         caused = free(mechanics, forces, z, rate, acceleration, slopes)
         tangent, lever = self._tangent(mechanics.constraint_slope(caused.forces))
         motion = inner.residual[:k]
-        residual = np.concatenate(
-            (
-                tangent.T @ motion,
-                servo @ caused.acceleration - given[2],
-                self._second(caused, rate),
-                inner.residual[k:],
-            )
-        )
+        prescribed = servo @ caused.acceleration - given[2]
+        second = self._second(caused, rate)
+        residual = np.concatenate((tangent.T @ motion, prescribed, second, inner.residual[k:]))
         if inner.jacobian is None or caused.jacobian is None:
             return Evaluated(residual, None)
         jacobian = np.zeros((3, len(z), len(z)))

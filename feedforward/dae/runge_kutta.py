@@ -73,9 +73,8 @@ class Collocation:
         """A^-1: h times the rates at the nodes of a polynomial that starts from zero, (s, s)."""
         c = np.array(self.nodes)
         powers = np.arange(1, len(c) + 1)
-        return np.asarray(
-            (powers * c[:, None] ** (powers - 1)) @ np.linalg.inv(c[:, None] ** powers)
-        )
+        slopes = powers * c[:, None] ** (powers - 1)
+        return np.asarray(slopes @ np.linalg.inv(c[:, None] ** powers))
 
     @cached_property
     def begin(self) -> Array:

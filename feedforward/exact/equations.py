@@ -110,9 +110,8 @@ class Equations:
 
     def constraint_jacobian(self, state: Array) -> Array:
         """Gradients of Phi at states (..., n): shape (..., m, n)."""
-        return np.asarray(np.einsum("kij,...j->...ki", self.constraints, _with_one(state)))[
-            ..., :-1
-        ]
+        gradients = np.einsum("kij,...j->...ki", self.constraints, _with_one(state))
+        return np.asarray(gradients)[..., :-1]
 
     def constraint_curvature(self, rate: Array) -> Array:
         """q'^T (d2 Phi / dq2) q' at rates (..., n): shape (..., m)."""
@@ -121,9 +120,8 @@ class Equations:
 
     def input_matrix(self, state: Array) -> Array:
         """B + B'q at states (..., n): shape (..., n, a)."""
-        return np.asarray(
-            self.input_constant + np.einsum("iaj,...j->...ia", self.input_linear, state)
-        )
+        linear = np.einsum("iaj,...j->...ia", self.input_linear, state)
+        return np.asarray(self.input_constant + linear)
 
     def tensions(self, state: Array, multipliers: Array) -> Array:
         """Of the ropes where they leave their winches [N], shape (N, ropes).

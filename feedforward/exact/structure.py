@@ -128,6 +128,7 @@ def analyse_equations(equations: Equations, servo: Servo) -> Analysis:
             signature[i, j] = order
     partner = _transversal(rig.name, rows, unknowns, signature)
     c, d = _offsets(signature, partner)
+    light = [load.name for load in rig.loads if load.mass == 0]
     return Analysis(
         rig_name=rig.name,
         unknowns=unknowns,
@@ -135,12 +136,7 @@ def analyse_equations(equations: Equations, servo: Servo) -> Analysis:
         equation_offsets=tuple(c.tolist()),
         unknown_offsets=tuple(d.tolist()),
         blocks=_blocks(signature == d[None, :] - c[:, None], partner),
-        massless=frozenset(
-            unknowns.index(f"{load.name}.{axis}")
-            for load in rig.loads
-            for axis in rig.axes
-            if load.mass == 0
-        ),
+        massless=frozenset(unknowns.index(f"{name}.{axis}") for name in light for axis in rig.axes),
     )
 
 

@@ -75,10 +75,8 @@ def solve(system: System, stage: Stage, q: Array, multipliers: Array) -> Solutio
 def unsettled(update: Array) -> Failure:
     """The failure of a method whose last step was this."""
     size = float(np.abs(update).max())
-    return Failure(
-        "not converged",
-        f"Newton's last step of {ROUNDS} was {size:.3g}; a smaller time step may help",
-    )
+    detail = f"Newton's last step of {ROUNDS} was {size:.3g}; a smaller time step may help"
+    return Failure("not converged", detail)
 
 
 def linearised(system: System, stage: Stage, q: Array, multipliers: Array) -> tuple[Array, Array]:
@@ -86,7 +84,6 @@ def linearised(system: System, stage: Stage, q: Array, multipliers: Array) -> tu
     force = stage.force(q, multipliers)
     balance = stage.weight * system.mass @ (q - stage.target) + force.potential
     balance += force.jacobian.T @ multipliers
-    matrix = saddle(
-        stage.weight * system.mass + force.slope, force.jacobian.T, system.constraint_jacobian(q)
-    )
+    upper = stage.weight * system.mass + force.slope
+    matrix = saddle(upper, force.jacobian.T, system.constraint_jacobian(q))
     return matrix, np.concatenate((balance, system.constraint_values(q)))

@@ -34,16 +34,14 @@ def squeezer() -> Mechanism:
         for i, link in enumerate(data.LINKS)
     )
     closures = tuple(Revolute(f"P{k + 1}", _end(1, "P"), _end(k, "P")) for k in (2, 3, 5))
+    anchor = Point(GROUND, data.ANCHOR_C)
+    spring = Spring("CD", anchor, _end(2, "D"), data.STIFFNESS, data.REST_LENGTH)
     return Mechanism(
         "squeezer",
         bodies,
         (*pins, *closures),
         augmentations=(Angle("beta", GROUND, "K1"),),
-        springs=(
-            Spring(
-                "CD", Point(GROUND, data.ANCHOR_C), _end(2, "D"), data.STIFFNESS, data.REST_LENGTH
-            ),
-        ),
+        springs=(spring,),
         efforts=(Effort("beta", data.TORQUE),),
     )
 
