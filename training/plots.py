@@ -43,6 +43,12 @@ def heading(figure: Any, text: str) -> None:
     figure.suptitle(text, x=0.012, ha="left", fontsize=11, fontweight="bold")
 
 
+def legend_below(figure: Any, axes: Any) -> None:
+    """Legend of the lines of one panel, below all panels."""
+    lines, texts = axes.get_legend_handles_labels()
+    figure.legend(lines, texts, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+
+
 def save(drawn: Any, path: str | Path) -> None:
     """Write a figure as PNG.
 

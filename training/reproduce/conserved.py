@@ -15,16 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from rich.table import Table
 
-from ...feedforward.integrators import (
-    SCHEMES,
-    Condition,
-    Scheme,
-    integrate,
-    integrate_index_one,
-)
-from ...feedforward.integrators import (
-    table as condition_table,
-)
+from ...feedforward.integrators import SCHEMES, Condition, Scheme, integrate, integrate_index_one
+from ...feedforward.integrators import table as condition_table
 from ...feedforward.multibody import System, assemble, rotary_crane
 from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.rig_state import points
@@ -41,29 +33,38 @@ COUNTS = (50, 100, 200, 400)
 SHOWN = 100
 """Steps of the runs in the table."""
 ORDER_COUNTS, ORDER_DURATION = (20, 40), 0.1
-"""Of the runs from which orders are taken [s]."""
+"""Steps and duration [s] of the runs from which orders are taken: short, so that the error at the
+end is that of the scheme and not of the motion's growth."""
 PLACE = 1.5
-"""Of the trolley at the start (Y 2.90) [m]."""
+"""Place of the trolley at the start (Y 2.90) [m]."""
 CONDITION_STEPS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
-"""[s]"""
+"""Steps at which iteration matrices are conditioned [s]."""
 MUJOCO = {"RK4": "RK4", "Euler": "EULER", "implicit": "IMPLICIT"}
 """The other two integrators step as Euler does, where nothing damps."""
+PANELS = {
+    "Energy in 1 s": "largest change [J]",
+    "Angular momentum in 1 s": "largest change, relative",
+    "Place of the load after 1 s": "error [m]",
+    "Iteration matrix; dotted: scaled": "condition number",
+}
+"""Headings of the panels, and what they show."""
 ENERGY = 410.12
 """Size of the energy at the start [J], the tower's top being at zero."""
 
 
-class Kept(NamedTuple):
-    """A run."""
+class Departure(NamedTuple):
+    """How far a run departs from what it should conserve, and from where it should end."""
 
     method: str
+    """Name of the scheme, or of MuJoCo's integrator."""
     step: float
-    """[s]"""
+    """Time step [s]."""
     energy: float
-    """Largest departure from the start [J]."""
+    """Largest departure of the energy from that at the start [J]."""
     momentum: float
-    """The same of the angular momentum about the vertical, over that at the start."""
+    """Largest departure of the angular momentum about the vertical, over that at the start."""
     error: float
-    """Of the load's place at the end [m]."""
+    """Distance of the load from its exact place at the end [m]."""
 
 
 @entry("integrators", "what integrators keep of the free crane")
@@ -77,7 +78,7 @@ def integrators() -> Sheet:
 
 def measure(
     counts: Sequence[int] = COUNTS, schemes: Sequence[Scheme] = SCHEMES, duration: float = DURATION
-) -> list[Kept]:
+) -> list[Departure]:
     """Runs of our schemes with each number of steps; those that fail are left out."""
     system, start = assemble(rotary_crane(place=PLACE))
     goal = _goal(duration)
@@ -92,16 +93,16 @@ def measure(
                 error = float(np.linalg.norm(_load(system, run.q[-1]) - goal))
                 change = float(np.abs(energy - energy[0]).max())
                 lost = float(np.abs(moment / moment[0] - 1).max())
-                runs.append(Kept(scheme.name, duration / count, change, lost, error))
+                runs.append(Departure(scheme.name, duration / count, change, lost, error))
     return runs
 
 
-def in_mujoco(counts: Sequence[int] = COUNTS) -> list[Kept]:
+def in_mujoco(counts: Sequence[int] = COUNTS) -> list[Departure]:
     """Runs of MuJoCo's integrators."""
     return [_mujoco(name, count) for name in MUJOCO for count in counts]
 
 
-def orders(runs: Sequence[Kept]) -> dict[str, float]:
+def orders(runs: Sequence[Departure]) -> dict[str, float]:
     """Measured order of each method, from its two coarsest steps."""
     measured = {}
     for name in dict.fromkeys(run.method for run in runs):
@@ -122,7 +123,7 @@ def _load(system: System, q: Array) -> Array:
     return q[[system.index(f"load.{axis}") for axis in "xyz"]]
 
 
-def _mujoco(integrator: str, count: int) -> Kept:
+def _mujoco(integrator: str, count: int) -> Departure:
     free = free_motion("rotary_crane")
     kind = MUJOCO[integrator]
     model = mjcf.compile(free.rig, timestep=1 / count, integrator=kind, visuals=False)
@@ -130,7 +131,7 @@ def _mujoco(integrator: str, count: int) -> Kept:
     end = simulate(model, *start, np.zeros((count, model.nu)))
     place = points(free.rig, end.qpos[-1], end.qvel[-1])["load"][0]
     away, error = drift(model, free), float(np.linalg.norm(place - _goal(DURATION)))
-    return Kept(f"MuJoCo {integrator}", 1 / count, away.energy, away.momentum, error)
+    return Departure(f"MuJoCo {integrator}", 1 / count, away.energy, away.momentum, error)
 
 
 def _conditions() -> list[Condition]:
@@ -139,14 +140,14 @@ def _conditions() -> list[Condition]:
     return condition_table(system, start.q, start.v, CONDITION_STEPS)
 
 
-def _draw(runs: Sequence[Kept], conditions: Sequence[Condition]) -> Any:
+def _draw(runs: Sequence[Departure], conditions: Sequence[Condition]) -> Any:
     figure, axes = plots.figure(8.8, 6.0, nrows=2, ncols=2)
     for name, (colour, mark) in LOOKS.items():
         rows = [run for run in runs if run.method == name]
         if not rows:
             continue
-        marked: dict[str, Any] = {"color": colour, "label": name, "linewidth": 1.3}
-        marked |= {"marker": mark, "markersize": 4}
+        marked: dict[str, Any] = {"color": colour, "marker": mark, "markersize": 4}
+        marked |= {"label": name, "linewidth": 1.3}
         steps = [1e3 * run.step for run in rows]
         axes[0, 0].plot(steps, [run.energy for run in rows], **marked)
         axes[0, 1].plot(steps, [run.momentum for run in rows], **marked)
@@ -155,29 +156,18 @@ def _draw(runs: Sequence[Kept], conditions: Sequence[Condition]) -> Any:
         widths, printed = [row.step for row in matrices], [row.printed for row in matrices]
         axes[1, 1].plot(widths, printed, **marked)
         axes[1, 1].plot(widths, [row.scaled for row in matrices], color=colour, linestyle=":")
-    for ax, heading, y in zip(
-        axes.flat,
-        (
-            "Energy in 1 s",
-            "Angular momentum in 1 s",
-            "Place of the load after 1 s",
-            "Iteration matrix; dotted: scaled",
-        ),
-        ("largest change [J]", "largest change, relative", "error [m]", "condition number"),
-        strict=True,
-    ):
+    for ax, (heading, label) in zip(axes.flat, PANELS.items(), strict=True):
         plots.title(ax, heading)
-        ax.set(xlabel="step [ms]", ylabel=y, xscale="log", yscale="log")
+        ax.set(xlabel="step [ms]", ylabel=label, xscale="log", yscale="log")
     axes[1, 1].set_xlabel("step [s]")
     for ax in axes.flat[:3]:
         ax.set_xticks([1e3 / count for count in COUNTS], [f"{1e3 / count:g}" for count in COUNTS])
         ax.minorticks_off()
-    lines, texts = axes[0, 0].get_legend_handles_labels()
-    figure.legend(lines, texts, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+    plots.legend_below(figure, axes[0, 0])
     return figure
 
 
-def _columns(runs: Sequence[Kept]) -> dict[str, list[str]]:
+def _columns(runs: Sequence[Departure]) -> dict[str, list[str]]:
     return {
         "method": [run.method for run in runs],
         "step [s]": [f"{run.step:g}" for run in runs],
@@ -187,7 +177,9 @@ def _columns(runs: Sequence[Kept]) -> dict[str, list[str]]:
     }
 
 
-def _table(runs: Sequence[Kept], conditions: Sequence[Condition], order: dict[str, float]) -> Table:
+def _table(
+    runs: Sequence[Departure], conditions: Sequence[Condition], order: dict[str, float]
+) -> Table:
     """At the step that is shown, with the orders, and condition numbers at that step."""
     summary = table(
         f"Free rotary crane, 1 s at steps of {1 / SHOWN:g} s",

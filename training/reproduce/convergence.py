@@ -22,14 +22,7 @@ from numpy.typing import NDArray
 
 from ...feedforward import Regulator
 from ...feedforward.stability.rivals import rivals
-from ...models import (
-    OptionError,
-    cantilever_crane,
-    gantry_crane,
-    navy_crane_2d,
-    overhead_crane,
-    rotary_crane,
-)
+from ...models import OptionError, make
 from ...models.types import Array
 from ..simulate.closed_loop import Course, closed_loop
 from ..tables import table
@@ -39,14 +32,15 @@ from .entry import Sheet, entry
 Columns = dict[str, Array]
 
 RUNS = 50
+"""Initial states of each case."""
 ROUNDING = 1e-12
-"""A smaller rise of W is none."""
+"""A smaller rise of W over W at the start is that of rounding, and told as none."""
 CONVERGED = 0.01
 """A run has converged if the load is nearer than this share of the farthest start."""
 DRAWS = 50
 """Times that initial states are drawn, as many at once as there are to be runs."""
 SAMPLES = 200
-"""Of each run, at which W is looked at."""
+"""Instants of each run at which W is looked at."""
 
 
 @dataclass(frozen=True)
@@ -54,18 +48,19 @@ class Case:
     """A crane, its gains, and how far from the set point it is let go."""
 
     regulator: Callable[[], Regulator]
-    length: float
-    """Largest distance of each coordinate from rest [m]."""
-    speed: float
-    """Largest rate [m/s]."""
-    duration: float
-    """[s]"""
-    timestep: float
-    """[s]"""
-    angle: float = 0.5
-    """The same for frames that turn, [rad] and [rad/s]."""
+    """Function that makes the crane's regulator."""
+    length: float = 2.0
+    """Largest initial distance of each length from rest [m]."""
+    speed: float = 2.0
+    """Largest initial rate of each length [m/s]."""
+    duration: float = 40.0
+    """Duration of a run [s]."""
+    timestep: float = 5e-3
+    """Time step of MuJoCo [s]."""
+    angle: float = 1.0
+    """Largest initial distance [rad] and rate [rad/s] of frames that turn."""
     massless: float | None = None
-    """Stands in for the massless pulley [kg]."""
+    """Mass that stands in for the massless pulley [kg]; None without one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,11 +78,11 @@ class Outcome:
     rival: float
     """W at the lowest other rest [J]; infinite if there is none."""
     seconds: float
-    """Computing time."""
+    """Computing time [s]."""
 
     @property
     def converged(self) -> int:
-        """Number of runs."""
+        """Number of runs whose load ends near the set point."""
         return int((self.errors < CONVERGED * self.farthest).sum())
 
 
@@ -126,7 +121,7 @@ def initial_states(
         Too few of the states drawn are such.
     """
     draw = np.random.default_rng(seed)
-    kept: list[tuple[Columns, Columns]] = []
+    accepted: list[tuple[Columns, Columns]] = []
     for _ in range(DRAWS):
         values, rates = _about(case, regulator, draw, runs)
         if case.massless is not None:
@@ -134,9 +129,9 @@ def initial_states(
         first = closed_loop(
             regulator, values, rates, 0.0, timestep=case.timestep, massless=case.massless
         )
-        good = (first.tensions[0] > 0).all(axis=1) & (regulator.energy(values, rates) < rival)
-        kept.append((_pick(values, good), _pick(rates, good)))
-        if sum(len(next(iter(values.values()))) for values, _ in kept) >= runs:
+        usable = (first.tensions[0] > 0).all(axis=1) & (regulator.energy(values, rates) < rival)
+        accepted.append((_pick(values, usable), _pick(rates, usable)))
+        if sum(len(next(iter(values.values()))) for values, _ in accepted) >= runs:
             break
     else:
         raise OptionError(
@@ -144,7 +139,10 @@ def initial_states(
             "draw them from nearer the rest"
         )
     values, rates = (
-        {name: np.concatenate([part[i][name] for part in kept])[:runs] for name in kept[0][i]}
+        {
+            name: np.concatenate([part[i][name] for part in accepted])[:runs]
+            for name in accepted[0][i]
+        }
         for i in (0, 1)
     )
     return values, rates
@@ -172,7 +170,7 @@ def _balance_pulley(regulator: Regulator, values: Columns, rates: Columns) -> No
 
     The forces on the pulley balance only then (K 3.7).  The rates follow by differences.
     """
-    step = 1e-6
+    step = 1e-6  # central differences err by its square and by rounding over it
     places = []
     for side in (-step, step):
         pulley, load = (
@@ -203,48 +201,42 @@ def _stand_in(case: Case, course: Course) -> Array:
 
 
 def _distance(regulator: Regulator, course: Course) -> Array:
-    """Of the load from the set point [m], (samples, runs)."""
+    """Distance of the load from the set point [m], (samples, runs)."""
     outputs = [name for name in regulator.rig.outputs if name.startswith("load.")]
     away = [course.values[name] - regulator.rest_values[name] for name in outputs]
     return np.asarray(np.linalg.norm(away, axis=0))
 
 
+def _regulator(name: str, *gains: tuple[float, ...]) -> Callable[[], Regulator]:
+    """What makes a crane's regulator: its set point, stiffness and damping."""
+    return lambda: Regulator(make(name), *gains)
+
+
 CASES: dict[str, Case] = {
     "planar Navy, massless": Case(
-        kiss_crane.planar_regulator, 0.02, 0.05, duration=25.0, timestep=8e-4, massless=1e-3
+        kiss_crane.planar_regulator, 0.02, 0.05, 25.0, timestep=8e-4, massless=1e-3
     ),
     "planar Navy, heavy": Case(
-        lambda: Regulator(
-            navy_crane_2d(), (-7.0, -17.5, -10.5), (24.0, 102.0, 55.0), (266.0, 130.0, 237.0)
-        ),
-        2.0, 2.0, duration=40.0, timestep=5e-3, angle=1.0,
+        _regulator(
+            "navy_crane_2d", (-7.0, -17.5, -10.5), (24.0, 102.0, 55.0), (266.0, 130.0, 237.0)
+        )
     ),
     "cantilever": Case(
-        lambda: Regulator(
-            cantilever_crane(), (2.0, 4.0, -5.0), (92.0, 169.0, 970.0), (260.0, 70.0, 3100.0)
-        ),
-        2.0, 2.0, duration=40.0, timestep=5e-3, angle=1.0,
+        _regulator(
+            "cantilever_crane", (2.0, 4.0, -5.0), (92.0, 169.0, 970.0), (260.0, 70.0, 3100.0)
+        )
     ),
     "gantry": Case(
-        lambda: Regulator(
-            gantry_crane(), (4.0, 2.0, -5.0), (65.0, 90.0, 130.0), (200.0, 32.0, 300.0)
-        ),
-        2.0, 2.0, duration=40.0, timestep=5e-3, angle=1.0,
+        _regulator("gantry_crane", (4.0, 2.0, -5.0), (65.0, 90.0, 130.0), (200.0, 32.0, 300.0))
     ),
-    "3D Navy, 1:80": Case(
-        kiss_crane.spatial_regulator, 0.02, 0.1, duration=15.0, timestep=1e-3, angle=0.2
-    ),
+    "3D Navy, 1:80": Case(kiss_crane.spatial_regulator, 0.02, 0.1, 15.0, timestep=1e-3, angle=0.2),
     "overhead": Case(
-        lambda: Regulator(overhead_crane(), (5.0, -4.0), (180.0, 520.0), (250.0, 420.0)),
-        2.0, 2.0, duration=20.0, timestep=5e-3,
+        _regulator("overhead_crane", (5.0, -4.0), (180.0, 520.0), (250.0, 420.0)), duration=20.0
     ),
     "rotary": Case(
-        lambda: Regulator(
-            rotary_crane(), (2.0, 4.0, -5.0), (950.0, 72.0, 103.0), (2200.0, 160.0, 210.0)
-        ),
-        2.0, 2.0, duration=40.0, timestep=5e-3, angle=1.0,
+        _regulator("rotary_crane", (2.0, 4.0, -5.0), (950.0, 72.0, 103.0), (2200.0, 160.0, 210.0))
     ),
-}  # fmt: skip
+}
 """Cranes and gains.  Those of K are printed or explained in `kiss_crane`; the others are rounded
 from a search for the gains with which the slowest motion dies fastest."""
 

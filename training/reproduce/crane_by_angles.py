@@ -19,8 +19,10 @@ TURNING = sum(INERTIA[name][2] for name in ("girder", "trolley", "winch"))
 WINDING = INERTIA["winch"][1] / DRUM_RADIUS**2
 """The winch's inertia as a mass on the rope [kg]."""
 CARRIED = MASS["trolley"] + MASS["winch"]
+"""Mass of what slides along the girder, without the load [kg]."""
 ROUNDS, ENOUGH = 50, 1e-14
-"""Iterations of the midpoint rule, and the change that ends them."""
+"""Most iterations of the midpoint rule, and the change over the state's size that ends them: a few
+units of rounding, so that what is lost of energy and momentum is the rule's own."""
 
 
 def run(
@@ -31,15 +33,15 @@ def run(
     Parameters
     ----------
     place
-        Of the trolley [m].
+        Place of the trolley at the start [m].
     length
-        Of the rope [m].
+        Length of the rope at the start [m].
     spin
-        Of the girder [rad/s].
+        Angular velocity of the girder at the start [rad/s].
     step
-        [s]
+        Time step [s].
     duration
-        [s]
+        Duration of the run [s].
 
     Raises
     ------

@@ -6,7 +6,7 @@ higher for the move in space, and the other moves are given 1.2 s.  `kiss_crane`
 assumed.  The boom must go where the load is to be drawn to, hence back and forth.
 """
 
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
@@ -18,42 +18,18 @@ from . import kiss_crane, sheets
 from .entry import Sheet, entry
 
 DURATIONS = {"horizontal": 1.2, "parabola": 1.2, "straight": 0.8}
-"""[s]"""
+"""Durations of the moves [s]."""
+HEADINGS = {
+    "horizontal": "Horizontal move",
+    "parabola": "Parabola over an obstacle",
+    "straight": "Straight line in space",
+}
+"""Headings of the moves' figures."""
 LIFT = 0.05
 """Height of the parabola above the straight line [m]."""
 SAMPLES = 801
 MOTORS = {"tagline": "T1", "suspension": "T2", "hoist": "T3", "boom": "T4"}
 """K's names of the inputs (K figure 3.12)."""
-
-
-@entry("K3.13", "horizontal move of the small Navy crane's load")
-def horizontal() -> Sheet:
-    """K 3.13."""
-    return _path("Horizontal move", "horizontal")
-
-
-@entry("K3.14", "torques for the move of K3.13")
-def horizontal_torques() -> Sheet:
-    """K 3.14."""
-    return _torques("Horizontal move", "horizontal")
-
-
-@entry("K3.15", "the same places joined by a parabola")
-def parabola() -> Sheet:
-    """K 3.15."""
-    return _path("Parabola over an obstacle", "parabola")
-
-
-@entry("K3.16", "torques for the move of K3.15")
-def parabola_torques() -> Sheet:
-    """K 3.16."""
-    return _torques("Parabola over an obstacle", "parabola")
-
-
-@entry("K3.17", "straight move in space")
-def straight() -> Sheet:
-    """K 3.17."""
-    return _path("Straight line in space", "straight")
 
 
 @entry("K3.18", "speed and torque of the boom's motor in K3.17")
@@ -94,9 +70,9 @@ def _motion(kind: str) -> Motion:
     return solve(kiss_crane.spatial(), _reference(kind), times)
 
 
-def _path(heading: str, kind: str) -> Sheet:
+def _path(kind: str) -> Sheet:
     """The load's path from above and from the side."""
-    motion = _motion(kind)
+    heading, motion = HEADINGS[kind], _motion(kind)
     load = motion.outputs[:, :3]
     figure, axes = plots.figure(7.6, 3.6, ncols=2)
     plots.heading(figure, heading)
@@ -104,21 +80,21 @@ def _path(heading: str, kind: str) -> Sheet:
     speed = np.linalg.norm(np.gradient(load, motion.times, axis=0), axis=1)
     boom = motion.positions[:, motion.column("boom.angle")]
     length = np.linalg.norm(np.diff(load, axis=0), axis=1).sum()
-    off = open_loop(motion.rig, _reference(kind)).distance.max()
+    distance = open_loop(motion.rig, _reference(kind)).distance.max()
     rows = (
         ("length of the path [cm]", f"{1e2 * length:.4g}"),
         ("largest speed [m/s]", f"{speed.max():.4g}"),
         ("boom turns by [deg]", f"{np.degrees(boom[-1] - boom[0]):.4g}"),
         ("lowest tension [N]", f"{motion.tensions.min():.4g}"),
-        ("open loop in MuJoCo, farthest from it [m]", f"{off:.1e}"),
+        ("open loop in MuJoCo, farthest from it [m]", f"{distance:.1e}"),
     )
     summary = table(f"{heading}, {DURATIONS[kind]:g} s", "", "", rows=rows)
     return Sheet(summary, figure, {"time": motion.times, **dict(zip("xyz", load.T, strict=True))})
 
 
-def _torques(heading: str, kind: str) -> Sheet:
+def _torques(kind: str) -> Sheet:
     """Torques of tagline, hoist and boom, as in the source, and the extremes of all four."""
-    motion = _motion(kind)
+    heading, motion = HEADINGS[kind], _motion(kind)
     figure, axes = plots.figure(6.4, 6.0, nrows=3, sharex=True)
     columns = dict(zip(motion.rig.input_names, motion.inputs.T, strict=True))
     for ax, name in zip(axes, ("tagline", "hoist", "boom"), strict=True):
@@ -140,3 +116,13 @@ def _torques(heading: str, kind: str) -> Sheet:
 def _unit(motor: str) -> tuple[float, str]:
     """A winch turns with a thousandth of what turns the boom."""
     return (1.0, "N m") if motor == "boom" else (1e3, "mN m")
+
+
+for _name, _title, _draw, _kind in (
+    ("K3.13", "horizontal move of the small Navy crane's load", _path, "horizontal"),
+    ("K3.14", "torques for the move of K3.13", _torques, "horizontal"),
+    ("K3.15", "the same places joined by a parabola", _path, "parabola"),
+    ("K3.16", "torques for the move of K3.15", _torques, "parabola"),
+    ("K3.17", "straight move in space", _path, "straight"),
+):
+    entry(_name, _title)(partial(_draw, _kind))

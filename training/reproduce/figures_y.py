@@ -23,7 +23,7 @@ from .entry import Sheet, entry
 from .figures_y_data import FIGURES, Case, Lines, Run, Snapshots
 
 SAMPLES = 2000
-"""Of the exact solution, at least."""
+"""Intervals between the samples of the exact solution."""
 FLAT = 1e-6
 """A quantity that spans less is drawn as a constant."""
 

@@ -25,7 +25,7 @@ ANGLES_PLACE, ANGLES_STEP = 1.5, 1e-4
 DIRECTORS_PLACE, DIRECTORS_STEP = 2.5, 1e-2
 """Y 2.4.2, and the step of Y 2.10."""
 INSTANTS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
-"""Of the snapshots [s]; the source does not say which it took."""
+"""Instants of the snapshots [s]; the source does not say which it took."""
 SHOWN = 101
 """Instants of a run at which energy and momentum are looked at."""
 GIRDER = 5.0
@@ -38,19 +38,19 @@ class Let(NamedTuple):
     """The crane let go: N instants."""
 
     times: Array
-    """[s], shape (N,)."""
+    """Instants [s], shape (N,)."""
     energy: Array
-    """[J], shape (N,)."""
+    """Energy [J], shape (N,)."""
     momentum: Array
-    """About the vertical [kg m^2/s], shape (N,)."""
+    """Angular momentum about the vertical [kg m^2/s], shape (N,)."""
     along: Array
-    """The girder's direction, shape (N, 3)."""
+    """Unit vectors along the girder, shape (N, 3)."""
     trolley: Array
-    """Shape (N, 3) [m]."""
+    """Places of the trolley [m], shape (N, 3)."""
     load: Array
-    """Shape (N, 3) [m]."""
+    """Places of the load [m], shape (N, 3)."""
     winding: Array
-    """The winch's angle [rad], shape (N,)."""
+    """Angles of the winch [rad], shape (N,)."""
 
 
 @cache

@@ -5,7 +5,7 @@ since the start, less that work.  The generalised-alpha scheme's damping is not 
 radius is 0.8.
 """
 
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -36,11 +36,11 @@ SCHEMES: dict[str, tuple[Scheme, str]] = {
 }
 """The printed schemes, with colours."""
 LEAST = 1e-17
-"""What a balance of exactly zero is drawn as [J]."""
+"""What a balance of exactly zero is drawn as [J]: a logarithmic axis has no zero."""
 TOLERANCE = 1e-10
-"""Of the explicit run that the motion is compared with."""
+"""Tolerance of the explicit run that the motion is compared with."""
 INSTANTS = (0.0, 3e-3, 6e-3, 9e-3, 12e-3, 15e-3)
-"""Of Y 3.8 [s]."""
+"""Instants of Y 3.8 [s]."""
 COIL = 9
 """Corners of the spring as it is drawn."""
 
@@ -59,30 +59,6 @@ def crank() -> Sheet:
     run, exact = _run("energy-momentum", FINE), _exact()
     values, truth = (angles_of_squeezer(motion.q)[:, :1] for motion in (run, exact))
     return _motion("Y3.3", "angle of the crank", ("beta",), "rad", run, values, exact, truth)
-
-
-@entry("Y3.4", "squeezing mechanism: energy, 3e-4 s")
-def balance_coarse() -> Sheet:
-    """Y 3.4: the balance of energy at steps of 3e-4 s."""
-    return _balance("Y3.4", COARSE, closely=False)
-
-
-@entry("Y3.5", "energy, 3e-4 s, in detail")
-def balance_coarse_closely() -> Sheet:
-    """Y 3.5: the same in detail."""
-    return _balance("Y3.5", COARSE, closely=True)
-
-
-@entry("Y3.6", "squeezing mechanism: energy, 3e-5 s")
-def balance_fine() -> Sheet:
-    """Y 3.6: the balance of energy at steps of 3e-5 s."""
-    return _balance("Y3.6", FINE, closely=False)
-
-
-@entry("Y3.7", "energy, 3e-5 s, in detail")
-def balance_fine_closely() -> Sheet:
-    """Y 3.7: the same in detail."""
-    return _balance("Y3.7", FINE, closely=True)
 
 
 def balances(run: Run) -> Array:
@@ -205,3 +181,12 @@ def _coil(first: Array, second: Array) -> Array:
     across = np.array((-(second - first)[1], (second - first)[0]))
     across /= np.linalg.norm(across)
     return np.asarray(first + shares[:, None] * (second - first) + side[:, None] * across)
+
+
+for _name, _title, _step, _closely in (
+    ("Y3.4", "squeezing mechanism: energy, 3e-4 s", COARSE, False),
+    ("Y3.5", "energy, 3e-4 s, in detail", COARSE, True),
+    ("Y3.6", "squeezing mechanism: energy, 3e-5 s", FINE, False),
+    ("Y3.7", "energy, 3e-5 s, in detail", FINE, True),
+):
+    entry(_name, _title)(partial(_balance, _name, _step, closely=_closely))

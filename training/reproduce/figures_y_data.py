@@ -15,9 +15,11 @@ class Case:
     """A crane with a move."""
 
     name: str
+    """Name of the crane in the catalogue."""
     overrides: tuple[tuple[str, float], ...] = ()
+    """Parameters of the crane that differ, with their values."""
     move: str = "default"
-    """"default", "printed", or one of CABLEV's."""
+    """Name of the move: "default", "printed", or one of CABLEV's."""
 
     @property
     def rig(self) -> Rig:
@@ -37,9 +39,11 @@ class Run:
     """One numerical solution."""
 
     label: str
+    """Name in the legend."""
     formulation: str
+    """Name of the formulation."""
     step: float
-    """[s]"""
+    """Time step [s]."""
 
 
 @dataclass(frozen=True)
@@ -47,8 +51,11 @@ class Lines:
     """Quantities over time: coordinates by name, inputs, tensions or multipliers."""
 
     title: str
+    """What the figure shows."""
     case: Case
+    """Crane and move."""
     runs: tuple[Run, ...]
+    """Numerical solutions, each a line in every panel."""
     panels: tuple[str, ...]
     """Coordinates by name, "input NAME" or "multiplier NAME"."""
 
@@ -58,7 +65,9 @@ class Snapshots:
     """The mechanism at instants of its move."""
 
     title: str
+    """What the figure shows."""
     case: Case
+    """Crane and move."""
     views: tuple[str, ...]
     """Pairs of axes, "xz", "xy" or "yz"."""
 
@@ -73,14 +82,13 @@ NAVY_HEAVY = Case("navy_crane_3d", (), "printed")
 TURN, LINE, BOTH = (Case("cable_manipulator", (), move) for move in MANIPULATOR_MOVES)
 
 
-def _projections(step: float, *, dependent: bool = True) -> tuple[Run, ...]:
+def _projections(step: float) -> tuple[Run, ...]:
     """Y 4.2's formulations, by Y's names."""
-    runs = [
+    return (
         Run("GEN", "projection, minimal", step),
         Run("RED", "projection", step),
         Run("ALT", "projection, dependent", step),
-    ]
-    return tuple(runs if dependent else runs[:2])
+    )
 
 
 def _extended(*steps: float) -> tuple[Run, ...]:

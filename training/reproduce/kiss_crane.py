@@ -28,9 +28,9 @@ PLANAR_TARGET = (-0.1, -0.5)
 START, GOAL = (0.142, 0.015, -0.05), (0.004, 0.16, -0.05)
 """Ends of the tracking study, from the boom's foot [m] (K 3.5)."""
 TRAVEL = 2.5
-"""Its duration [s]."""
+"""Duration of the tracking study's move [s]."""
 HEIGHT = 0.2
-"""Of the pulley, from the boom's foot [m]."""
+"""Height of the pulley above the boom's foot [m]."""
 
 START_ERROR = (0.02, -0.01)
 """How far the load really hangs from there, in x and y [m]; K only says that it does."""

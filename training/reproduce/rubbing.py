@@ -44,13 +44,15 @@ class Winches:
     """Friction along every rope, and what the controller does about it, at each step of a run."""
 
     regulator: Regulator
+    """PD of the crane."""
     friction: Friction
+    """Law of friction that acts along every rope."""
     known: Friction | None = None
     """The law that the controller takes it for; None compensates nothing."""
     dither: float = 0.0
     """Amplitude of a sinusoid added to every rope's force [N]."""
     frequency: float = 10.0
-    """Of the dither [Hz]."""
+    """Frequency of the dither [Hz]."""
 
     def __call__(self, model: mujoco.MjModel, batch: Batch, step: int) -> None:
         """Set the dry friction of the step ahead, and add everything else to the inputs."""

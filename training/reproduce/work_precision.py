@@ -32,11 +32,11 @@ T = TypeVar("T")
 COUNTS = (100, 150, 200, 300, 400, 600, 800)
 """Steps of our schemes' runs."""
 TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
-"""Of DOP853's."""
+"""Tolerances of DOP853."""
 FINEST = 1e-13
 """Tolerance of the run among the converged ones."""
 TIME_STEPS = (3e-4, 1e-4, 3e-5, 1e-5, 3e-6)
-"""Of MuJoCo's [s]."""
+"""Time steps of MuJoCo's runs [s]."""
 PASSES = {"RK4": 4, "Euler": 1, "implicit": 1, "implicitfast": 1, "discrete": 1}
 """Forward passes in a step."""
 WINDOW = 5
@@ -44,7 +44,7 @@ WINDOW = 5
 SYMMETRIC = ("midpoint", "energy-momentum", "variational")
 """Schemes that are extrapolated."""
 SHORT = 0.3
-"""Below this time a run is made twice [s]."""
+"""A run that takes less is timed twice, since what loads the machine would show in it [s]."""
 LOOKS: dict[str, tuple[str, str]] = {
     "implicit Euler": (plots.COLOURS[0], "o"),
     "midpoint": (plots.COLOURS[3], "o"),
@@ -66,11 +66,15 @@ class Point(NamedTuple):
     """A run, or an extrapolation of several."""
 
     method: str
+    """Name of the integrator."""
     setting: str
+    """Its number of steps, tolerance or time step, as a phrase."""
     angles: Array
-    """At 0.03 s, shape (7,) [rad]."""
+    """The seven angles at 0.03 s [rad], shape (7,)."""
     evaluations: int
+    """Number of evaluations of the equations."""
     seconds: float
+    """Wall-clock time [s]."""
 
 
 @entry("squeezer", "work and precision on the squeezing mechanism")
@@ -90,14 +94,14 @@ def measure(
     """All points; runs that fail are left out."""
     points: list[Point] = []
     for scheme in SCHEMES:
-        made = [point for count in counts if (point := _run(scheme, count)) is not None]
-        points += made
-        if scheme.name in SYMMETRIC and len(made) == len(counts):
-            points += _extrapolations(made, counts)
+        ladder = [point for count in counts if (point := _run(scheme, count)) is not None]
+        points += ladder
+        if scheme.name in SYMMETRIC and len(ladder) == len(counts):
+            points += _extrapolations(ladder, counts)
     points += [_explicit(tolerance) for tolerance in tolerances]
     for integrator in PASSES:
-        found = (_mujoco(integrator, step) for step in time_steps)
-        points += [point for point in found if point is not None]
+        runs = (_mujoco(integrator, step) for step in time_steps)
+        points += [point for point in runs if point is not None]
     return points
 
 
@@ -105,8 +109,8 @@ def converged(points: Sequence[Point]) -> tuple[Array, float]:
     """Median of the finest points of the methods that converge, and their spread in beta [rad]."""
     names = ("index 1, DOP853", *(f"{name}, extrapolated" for name in SYMMETRIC))
     last = {point.method: point.angles for point in points}
-    found = np.array([last[name] for name in names])
-    return np.median(found, axis=0), float(np.ptp(found[:, 0]))
+    angles = np.array([last[name] for name in names])
+    return np.median(angles, axis=0), float(np.ptp(angles[:, 0]))
 
 
 def _run(scheme: Scheme, count: int) -> Point | None:
@@ -117,16 +121,16 @@ def _run(scheme: Scheme, count: int) -> Point | None:
     return Point(scheme.name, f"{count} steps", angles, run.counters.factorisations, seconds)
 
 
-def _extrapolations(made: Sequence[Point], counts: Sequence[int]) -> list[Point]:
+def _extrapolations(runs: Sequence[Point], counts: Sequence[int]) -> list[Point]:
     """From the first two runs, the first three, and so on."""
-    windows = [slice(max(0, end - WINDOW), end) for end in range(2, len(made) + 1)]
+    windows = [slice(max(0, end - WINDOW), end) for end in range(2, len(runs) + 1)]
     return [
         Point(
-            f"{made[0].method}, extrapolated",
+            f"{runs[0].method}, extrapolated",
             f"up to {counts[window][-1]} steps",
-            extrapolated([point.angles for point in made[window]], counts[window])[0],
-            sum(point.evaluations for point in made[window]),
-            sum(point.seconds for point in made[window]),
+            extrapolated([point.angles for point in runs[window]], counts[window])[0],
+            sum(point.evaluations for point in runs[window]),
+            sum(point.seconds for point in runs[window]),
         )
         for window in windows
     ]
@@ -151,22 +155,22 @@ def _mujoco(integrator: str, step: float) -> Point | None:
 def _timed(run: Callable[[], T]) -> tuple[T, float]:
     """What a run gives and its wall-clock time [s]; of short ones the faster of two."""
     began = perf_counter()
-    found = run()
+    result = run()
     seconds = perf_counter() - began
     if seconds < SHORT:
         began = perf_counter()
-        found = run()
+        result = run()
         seconds = min(seconds, perf_counter() - began)
-    return found, seconds
+    return result, seconds
 
 
 def _error(point: Point, truth: Array) -> float:
-    """Of beta [rad]."""
+    """Error of the crank's angle beta [rad]."""
     return float(abs(point.angles[0] - truth[0]))
 
 
 def _largest_error(point: Point, truth: Array) -> float:
-    """Of all seven angles [rad]."""
+    """Largest error of the seven angles [rad]."""
     return float(np.abs(point.angles - truth).max())
 
 
@@ -193,8 +197,7 @@ def _draw(points: Sequence[Point], truth: Array, spread: float) -> Any:
     )  # fmt: skip
     axes[0].set_ylabel("error of beta(0.03 s) [rad]")
     plots.heading(figure, "Squeezing mechanism: work and precision")
-    lines, texts = axes[0].get_legend_handles_labels()
-    figure.legend(lines, texts, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+    plots.legend_below(figure, axes[0])
     return figure
 
 
