@@ -135,7 +135,7 @@ def _mujoco(integrator: str, count: int) -> Departure:
 
 
 def _conditions() -> list[Condition]:
-    """Of the iteration matrices at the start."""
+    """Condition of the iteration matrices at the start."""
     system, start = assemble(rotary_crane(place=PLACE))
     return condition_table(system, start.q, start.v, CONDITION_STEPS)
 

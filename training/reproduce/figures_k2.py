@@ -21,7 +21,7 @@ from .entry import Sheet, entry
 SAMPLES = 401
 SNAPSHOTS = 5
 COLOURS = plots.COLOURS[3:]
-"""Of angles, and of fingers."""
+"""Colours of angles, and of fingers."""
 DARK = "#202020"
 K_TABLE = (
     ("2D", "> 1", "yes", "yes", ""),

@@ -21,6 +21,7 @@ from .case import CORRECT, EITHER, REFUSED, Case, Finding, case, worst
 RESIDUAL, ACCELERATION, CLOSED_FORM = 1e-9, 1e-6, 1e-9
 """Relative tolerances: a few digits above what rounding leaves of each."""
 SAMPLES = 401
+"""Samples of a path that is judged."""
 ENDLESS = 1e9
 """Half the length of a rail that is never to end [m]."""
 

@@ -29,11 +29,12 @@ from .solver_cases import resized, trolley_cranes
 LIMITS = {"RK4": math.sqrt(8.0), "EULER": 2.0}
 """Largest stable step times angular frequency, on the imaginary axis."""
 BEYOND = 4.0
-"""Times the stable step: what a run with too large a one takes."""
+"""Step of a run with too large a one, over the stable step."""
 NEAR = 0.01
 """Relative tolerance of a stability limit."""
 SWING, GROWN, STEPS = 1e-9, 100.0, 1500
-"""Initial swing over the crane's size, how much of it is growth, and steps to wait for it."""
+"""Initial swing over the crane's size, small enough to stay linear; how many times it is growth and
+no rounding; and the steps to wait for it."""
 BISECTIONS = 9
 """Halvings of the interval for the step, a factor 4 wide: they leave 0.3 % of it."""
 DIFFERENCE = 1e-6
@@ -144,9 +145,13 @@ def rope(stiffness: float, integrator: str) -> Finding:
     rig = models.overhead_crane()
     ropes = Ropes("elastic", stiffness=stiffness, damping=0.0)
     model = mjcf.compile(rig, visuals=False, integrator=integrator, ropes=ropes)
-    mobility = rig.gravity / rig.weight + 1.0 / rig.ropes[0].inertia_along
     home = solve(rig, hold((0.0, -4.0)), [0.0])
-    return _limit(model, math.sqrt(stiffness * mobility), home, 1.0, integrator)
+    return _limit(model, _bounce(rig, stiffness), home, 1.0, integrator)
+
+
+def _bounce(rig: Rig, stiffness: float) -> float:
+    """Angular frequency of load and winch on an elastic rope [rad/s], in closed form."""
+    return math.sqrt(stiffness * (rig.gravity / rig.weight + 1.0 / rig.ropes[0].inertia_along))
 
 
 def pulley(name: str, mass: float) -> Finding:
@@ -204,11 +209,11 @@ def frequency(equations: Equations, rest: Motion, size: float) -> float:
 
 
 STRETCHED = 100.0
-"""Of the overhead crane's default move: how far elastic ropes may take it off, times k [N]."""
+"""How far an elastic rope may take the overhead crane's load off its path, times k [N]."""
 LIGHT = 0.02
-"""Of the planar Navy crane's: how far off for each kilogram of pulley [m/kg]."""
+"""How far a light pulley may take the planar Navy crane's load off, over its mass [m/kg]."""
 HELD = 1e-5
-"""Of both: how far inputs held over a step may take it off [m]."""
+"""How far inputs that are held over a step may take either load off besides [m]."""
 REACH = 30.0
 """A load so far from its path has left the crane [m]."""
 
@@ -216,8 +221,7 @@ REACH = 30.0
 def elastic_move(stiffness: float, share: float = 0.25) -> Finding:
     """The overhead crane's move on an elastic rope, at a share of the step that it bears."""
     rig = models.overhead_crane()
-    mobility = rig.gravity / rig.weight + 1.0 / rig.ropes[0].inertia_along
-    step = share * LIMITS["RK4"] / math.sqrt(stiffness * mobility)
+    step = share * LIMITS["RK4"] / _bounce(rig, stiffness)
     ropes = Ropes("elastic", stiffness=stiffness, damping_ratio=0.02)
     return _landed(rig, step, share, STRETCHED / stiffness + HELD, ropes=ropes)
 
