@@ -42,7 +42,7 @@ OUTPUTS = 200
 """Instants at which IDAS is asked for its solution: it does not tell its own steps."""
 DEGREE, FITTED = 24, 1e-11
 """Degree of the polynomial in time that CasADi gets, and its largest error over the values' size:
-far below the finest tolerance of the peers' runs."""
+below the finest tolerance of the peers' runs."""
 
 
 class PeerError(Exception):
