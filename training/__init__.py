@@ -1,6 +1,6 @@
-"""Residual policies, the comparison of controllers, and the command line.
+"""What is done with rigs, inputs and environments: the command `flatrig`, a room for each command.
 
-`policy` runs a trained policy in plain NumPy, `compare` sets controllers side by side, `train`
-trains with stable-baselines3, `bench` measures, `cli` is the command `flatrig`.
-Importing this package loads none of them.
+`cli` is the command, `options` registers what it can do; `jobs`, `tables` and `plots` serve them
+all, `simulate` holds runs in MuJoCo that several need, and `policy` runs a trained policy in plain
+NumPy.  Importing this package loads none of them.
 """

@@ -1,9 +1,8 @@
 """Many small linear systems at once, singular ones by steps of least norm."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...models.types import Array
+from ...models.types import Array, Mask
 
 FEW = 100
 """Up to so many systems LAPACK is faster."""
@@ -72,7 +71,7 @@ the path asks for what no tension can give, and there is none."""
 
 def least_norm(
     matrix: Array, right: Array, values: Array, determinant: Array
-) -> tuple[Array, NDArray[np.bool_]]:
+) -> tuple[Array, Mask]:
     """Solutions (k, N) with those of (nearly) singular systems replaced by the shortest ones.
 
     Parameters
@@ -84,7 +83,7 @@ def least_norm(
 
     Returns
     -------
-    tuple[Array, NDArray[np.bool_]]
+    tuple[Array, Mask]
         The solutions, and which of the systems (N,) have none.
     """
     sizes = np.abs(matrix).max(axis=1)

@@ -19,15 +19,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...models.types import Array
+from ...models.types import Array, Mask
 from .linear import least_norm, solve_many
 from .nonlinear import continue_along, newton, solve_quadratic
 from .problem import Problem
 from .steps import Series, Step, coefficient, plan
-
-Flags = NDArray[np.bool_]
 
 SINGULAR = 1e-11
 """A determinant below this fraction of its largest possible value counts as zero: it guards against
@@ -45,11 +42,11 @@ class Solution:
     signs: dict[int, Array]
     """Per block the determinant's sign at each sample, 0 where it is singular, shape (N,); blocks
     that the reference gives or that place a pulley without mass have none."""
-    straight: Flags
+    straight: Mask
     """Where a pulley without mass hangs straight and its place is undetermined, shape (N,)."""
 
     @property
-    def solved(self) -> Flags:
+    def solved(self) -> Mask:
         """Where everything has a value, shape (N,)."""
         finite = np.isfinite([values for known in self.series for values in known])
         return np.asarray(finite.all(axis=0))

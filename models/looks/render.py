@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import ModelError, OptionError
 from ..files import replacing
+from ..types import Array
 from ..values import bounded
 
 Image = NDArray[np.uint8]
@@ -228,9 +229,7 @@ def _check_fps(fps: float) -> None:
     bounded("fps", fps, least=SLOWEST, most=FASTEST, rule=rule)
 
 
-def _trajectory(
-    model: mujoco.MjModel, qpos: ArrayLike, times: ArrayLike
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _trajectory(model: mujoco.MjModel, qpos: ArrayLike, times: ArrayLike) -> tuple[Array, Array]:
     """Joint positions (N, nq) and their rising times (N,), one or more."""
     try:
         path, clock = np.asarray(qpos, dtype=np.float64), np.asarray(times, dtype=np.float64)

@@ -16,10 +16,9 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ..hand.hand import Hand, Tip
-from ..types import Array
+from ..types import Array, Mask
 from .hand_model import OBJECT
 from .hand_state import model_of
 
@@ -28,7 +27,7 @@ from .hand_state import model_of
 class Contacts:
     """Contacts of all fingers with the object at one instant; zero where there is none."""
 
-    touching: NDArray[np.bool_]
+    touching: Mask
     """Whether each finger touches the object, shape (fingers,)."""
     points: Array
     """Places of the contacts in space [m], shape (fingers, 3)."""

@@ -18,12 +18,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...feedforward import Regulator
 from ...feedforward.stability.rivals import rivals
 from ...models import OptionError, make
-from ...models.types import Array
+from ...models.types import Array, Mask
 from ..simulate.closed_loop import Course, closed_loop
 from ..tables import table
 from . import kiss_crane
@@ -71,7 +70,7 @@ class Outcome:
     """Largest initial distance of the load from the set point [m]."""
     errors: Array
     """Final distances [m], shape (runs,)."""
-    taut: NDArray[np.bool_]
+    taut: Mask
     """Whether every rope was taut throughout, shape (runs,)."""
     rise: float
     """Largest rise of W between two samples, as a share of W at the start of that run."""
@@ -148,7 +147,7 @@ def initial_states(
     return values, rates
 
 
-def _pick(columns: Columns, which: NDArray[np.bool_]) -> Columns:
+def _pick(columns: Columns, which: Mask) -> Columns:
     return {name: column[which] for name, column in columns.items()}
 
 

@@ -17,14 +17,13 @@ from math import pi
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 
 from ...feedforward.rolling import ContactForces, HandMotion, in_cones, least_norm, plan_hand
 from ...models import PRINTED_HAND_MOVES, Hand, HandMove, Tip, default_hand_move, make_hand
 from ...models.errors import PathError
 from ...models.hand.hand import EVERY_WAY
-from ...models.types import Array
+from ...models.types import Array, Mask
 from .. import plots
 from ..tables import table
 from .entry import Sheet, entry
@@ -188,7 +187,7 @@ def _shade(ax: Any, forces: ContactForces) -> None:
     )  # fmt: skip
 
 
-def _outside(forces: ContactForces) -> NDArray[np.bool_]:
+def _outside(forces: ContactForces) -> Mask:
     """Whether a force is outside its cone, (N,)."""
     excess = forces.tangential - forces.motion.hand.friction * forces.normal
     return np.asarray((excess > SLIPS).any(axis=1))
