@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike
 
 from ..rig.rig import Anchor, Rail
 from ..types import Array
-from .stage import Sizes
+from .setting import Sizes
 
 Ends = tuple[ArrayLike, ArrayLike]
 
 
 class Painter:
-    """Adds named geoms, of the classes that `stage.prepare` makes, at a scene's sizes."""
+    """Adds named geoms, of the classes that `setting.prepare` makes, at a scene's sizes."""
 
     def __init__(self, scene: mujoco.MjSpec, size: Sizes) -> None:
         self.scene = scene

@@ -11,7 +11,7 @@ from ..rig.rig import WORLD, Anchor, Frame, Platform, Rail, Rig, Trolley
 from . import drawing, structures
 from .booms import Boom
 from .drawing import Painter
-from .stage import ROPES, WAY, Sizes, rail_ends
+from .setting import ROPES, WAY, Sizes, rail_ends
 
 IN_TOWER = 1.0
 """How near to the axis of a turning frame an anchor lies in the tower's head, in units."""
@@ -25,7 +25,7 @@ def dress(
     Parameters
     ----------
     scene
-        The model, with the classes of `stage.prepare`.
+        The model, with the classes of `setting.prepare`.
     rig
         Its description.
     bodies

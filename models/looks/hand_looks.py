@@ -12,7 +12,7 @@ import numpy as np
 
 from ..hand.hand import Finger, Hand, Plate, Tip
 from ..types import Array
-from . import stage
+from . import setting
 
 TINTS = ((0.16, 0.38, 0.66), (0.93, 0.58, 0.12), (0.22, 0.55, 0.36), (0.55, 0.30, 0.60))
 """Colours of fingers, in turn."""
@@ -45,7 +45,7 @@ def thickness(hand: Hand) -> float:
 def prepare(scene: mujoco.MjSpec, hand: Hand) -> None:
     """Materials, light, floor and cameras; before the bodies are made."""
     radius, size = hand.held.radius, _sizes(hand)
-    stage.picture(scene, size)
+    setting.picture(scene, size)
     visual = scene.add_default("visual", scene.default)
     visual.geom.contype = visual.geom.conaffinity = 0
     visual.geom.mass = 0
@@ -56,15 +56,15 @@ def prepare(scene: mujoco.MjSpec, hand: Hand) -> None:
         rgba = [*tint, _opacity(hand, finger)]
         scene.add_material(name=finger.name, rgba=rgba, specular=0.4, shininess=0.5)
         scene.add_material(name=f"{finger.name}.arm", rgba=[*tint, 1], specular=0.2)
-    stage.floor(scene, size, square=2 * radius)
-    stage.lights(scene, size)
+    setting.floor(scene, size, square=2 * radius)
+    setting.lights(scene, size)
     sun = scene.light("sun")
     sun.dir, sun.pos = (
         _mirror(hand) * sun.dir,
         size.middle + _mirror(hand) * (sun.pos - size.middle),
     )
     for name, towards in _views(hand).items():
-        stage.camera(scene, name, towards, size.cloud)
+        setting.camera(scene, name, towards, size.cloud)
 
 
 def dress(scene: mujoco.MjSpec, hand: Hand, bodies: Mapping[str, Any]) -> None:
@@ -104,7 +104,7 @@ def _chequered(scene: mujoco.MjSpec, name: str, colours: Any) -> None:
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
 
 
-def _sizes(hand: Hand) -> stage.Sizes:
+def _sizes(hand: Hand) -> setting.Sizes:
     """The space about home that holds the plates and some way of the object."""
     radius, middle = hand.held.radius, np.asarray(hand.position)
     corners = np.array(np.meshgrid(*[(-1, 1)] * 3)).reshape(3, -1).T
@@ -117,7 +117,7 @@ def _sizes(hand: Hand) -> stage.Sizes:
             size = min(plate_radius(hand, finger.surface), SEEN * radius)
             place = middle + radius * np.asarray(finger.contact)
             cloud.append(place + size * _rim(np.asarray(finger.surface.normal)))
-    return stage.Sizes(np.vstack(cloud), 0.3 * radius, 2 * radius)
+    return setting.Sizes(np.vstack(cloud), 0.3 * radius, 2 * radius)
 
 
 def _rim(normal: Array) -> Array:
@@ -137,7 +137,7 @@ def _mirror(hand: Hand) -> Array:
 
 def _views(hand: Hand) -> dict[str, Array]:
     """Cameras and where they look."""
-    return {name: _mirror(hand) * towards for name, towards in stage.VIEWS.items()}
+    return {name: _mirror(hand) * towards for name, towards in setting.VIEWS.items()}
 
 
 def _opacity(hand: Hand, finger: Finger) -> float:

@@ -29,7 +29,7 @@ import mujoco
 import numpy as np
 
 from ..errors import ModelError, did_you_mean
-from ..looks import booms, dressing, stage
+from ..looks import booms, dressing, setting
 from ..rig.chain import Link, links
 from ..rig.rig import WORLD, Frame, Platform, Rig, Trolley, Vector
 from ..values import as_number
@@ -163,8 +163,8 @@ def _scene(
     _options(scene, rig, timestep, integrator, friction)
     if visuals:
         rig_booms = booms.find(rig)
-        size = stage.sizes(rig, rig_booms)
-        stage.prepare(scene, size)
+        size = setting.sizes(rig, rig_booms)
+        setting.prepare(scene, size)
     _check_masses(rig, massless)
     if ropes.spooled:
         spools.allow(scene, rig, ropes, friction)
