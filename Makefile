@@ -35,7 +35,7 @@ demo: $(VENV)/.core  ## compare the controllers on the overhead crane: a table, 
 	$(BIN)/flatrig compare overhead
 
 test: lint types  ## ruff, mypy and the whole test suite
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses auto
 
 lint: $(VENV)/.dev  ## ruff alone
 	$(BIN)/ruff check .

@@ -1,5 +1,6 @@
 """Rigs that are not in the catalogue and random states, for what must work for any description."""
 
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -7,6 +8,9 @@ import pytest
 
 from flatrig.models import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Trolley
 from flatrig.models.rig.chain import links
+
+# Tables are as wide as in a file, whatever the terminal, or the processes that tests share, say.
+os.environ.pop("COLUMNS", None)
 
 ROOT3 = np.sqrt(3.0)
 
