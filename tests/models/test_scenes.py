@@ -24,10 +24,16 @@ def rig(request, other_rigs):
     return other_rigs.get(request.param) or models.make(request.param)
 
 
+def stored_scene(name):
+    path = export.FOLDER / f"{name}.xml"
+    assert path.exists(), "`flatrig scenes` makes it"
+    return path
+
+
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_exported_scenes_are_current_and_stand_alone(name, tmp_path, random_states):
-    rig, stored = models.make(name), export.FOLDER / f"{name}.xml"
-    assert stored.read_text() == export.xml(rig), "run `flatrig scenes`"
+    rig, stored = models.make(name), stored_scene(name)
+    assert stored.read_text() == export.xml(rig), "`flatrig scenes` makes it anew"
     (tmp_path / "alone.xml").write_text(stored.read_text())
     alone = mujoco.MjModel.from_xml_path(str(tmp_path / "alone.xml"))
     rig_model.check(alone)
@@ -46,7 +52,7 @@ def test_exported_scenes_are_current_and_stand_alone(name, tmp_path, random_stat
 
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_noise_on_the_inputs_raises_no_warning(name):
-    model = mujoco.MjModel.from_xml_path(str(export.FOLDER / f"{name}.xml"))
+    model = mujoco.MjModel.from_xml_path(str(stored_scene(name)))
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, 0)
     generator, home = np.random.default_rng(1), model.key("home").ctrl
