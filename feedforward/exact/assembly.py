@@ -107,6 +107,10 @@ class _Builder:
         for row in rows:
             self.mass += mass * np.outer(row[:-1], row[:-1])
 
+    def add_weight(self, mass: float, place: Array) -> None:
+        """Add gravity on a mass at an affine place (3, n + 1)."""
+        self.force -= mass * self.rig.gravity * place[2, :-1]
+
     def _frames(self) -> None:
         unity = self.row(constant=1.0)
         for frame in self.rig.frames:
@@ -117,6 +121,7 @@ class _Builder:
                 self.constrain(unit, *((0.5, row, row) for row in pair), (-0.5, unity, unity))
             else:
                 self.add_inertia(frame.inertia, self.row(frame.coordinate))
+                self.add_weight(frame.inertia, self._origin(frame))
 
     def _in_frame(self, frame: Frame | None, vector: tuple[float, float, float]) -> Array:
         """World direction of a vector fixed in a frame, affine, shape (3, n + 1)."""
@@ -161,7 +166,7 @@ class _Builder:
         for part in self.rig.masses:
             rows = self.position(part.name)
             self.add_inertia(part.mass, *rows)
-            self.force -= part.mass * self.rig.gravity * rows[2, :-1]
+            self.add_weight(part.mass, rows)
             if not isinstance(part, Trolley) or f"{part.name}.x" not in self.names:
                 continue
             rail = self.rig.rail(part.rail)

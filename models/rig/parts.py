@@ -28,7 +28,7 @@ class Frame(_Part):
     `NAME.angle` [rad], or `sliding` along `axis`, with coordinate `NAME.position` [m]."""
     inertia: float
     """Moment of inertia about the axis [kg m2] of a turning frame, mass [kg] of a sliding one, with
-    everything that it carries rigidly."""
+    everything that it carries rigidly; a sliding frame's weight acts along its axis."""
     axis: Vector = (0.0, 0.0, 1.0)
     """Unit vector along which a sliding frame moves; a turning one has (0, 0, 1)."""
 

@@ -35,6 +35,10 @@ class Dice:
         """A mass [kg]."""
         return self.decades(1e-2, 1e4)
 
+    def slope(self) -> float:
+        """Angle of a slope, steep but never upright [rad]."""
+        return float(self.rng.uniform(-1.2, 1.2))
+
     def rope(self, name: str, *path: str) -> Rope:
         """A rope with a winch of its own, perhaps sheaves and several falls."""
         sheaves = tuple(
@@ -53,7 +57,11 @@ def drives(*parts: str) -> tuple[Drive, ...]:
 
 
 def frame(dice: Dice, name: str = "frame") -> Frame:
-    """One that carries a beam along x round a tower or along y."""
+    """One that carries a beam along x: round a tower, or across it, level or on a slope."""
     if dice.maybe():
         return Frame(name, "turning", dice.mass() * dice.size**2)
-    return Frame(name, "sliding", dice.mass(), (0.0, 1.0, 0.0))
+    turn = dice.rng.uniform(0.3, math.pi - 0.3) if dice.maybe() else 0.5 * math.pi
+    rise = dice.slope() if dice.maybe() else 0.0
+    level = math.cos(rise)
+    axis = level * math.cos(turn), level * math.sin(turn), math.sin(rise)
+    return Frame(name, "sliding", dice.mass(), axis)

@@ -70,18 +70,50 @@ def roped_crane(dice: Dice) -> Rig:
 
 
 def jib_crane(dice: Dice) -> Rig:
-    """A load on a rope from the end of a jib that slides along x."""
-    out, down = dice.length(-1.0, 1.0), dice.length(0.3, 3.0)
+    """A load on a rope from the end of a jib that slides along x or a slope."""
+    out, down, reach = dice.length(-1.0, 1.0), dice.length(0.3, 3.0), dice.length(0.0, 2.0)
+    rise = dice.slope() if dice.maybe() else 0.0
+    axis = (math.cos(rise), 0.0, math.sin(rise))
+    hung = reach + out * axis[0], 0.0, out * axis[2] - down
     return Rig(
         name="jib_crane",
         dimensions=2,
-        frames=(Frame("jib", "sliding", dice.mass(), (1.0, 0.0, 0.0)),),
-        anchors=(Anchor("tip", (dice.length(0.0, 2.0), 0.0, 0.0), "jib"),),
+        frames=(Frame("jib", "sliding", dice.mass(), axis),),
+        anchors=(Anchor("tip", (reach, 0.0, 0.0), "jib"),),
         masses=(Load("load", dice.mass()),),
         ropes=(dice.rope("hoist", "tip", "load"),),
         drives=drives("jib", "hoist"),
         outputs=("load.x", "load.z"),
-        home={"jib": out, "load": (out, 0.0, -down)},
+        home={"jib": out, "load": hung},
+    )
+
+
+def deck_crane(dice: Dice) -> Rig:
+    """A trolley on a deck whose motion is prescribed: it heaves, slides, or hangs on a rope."""
+    hung = dice.maybe()
+    rise = 0.5 * math.pi if hung or dice.maybe() else dice.rng.uniform(-math.pi, math.pi)
+    axis = (math.cos(rise), 0.0, math.sin(rise))
+    slope = dice.rng.uniform(-0.4, 0.4) if dice.maybe(0.2) else 0.0
+    along = (math.cos(slope), 0.0, math.sin(slope))
+    out, moved = dice.length(-1.0, 1.0), dice.length(-0.3, 0.3)
+    foot = [moved * a + out * b for a, b in zip(axis, along, strict=True)]
+    top = Anchor("top", (0.0, 0.0, dice.length(1.0, 3.0)))
+    lift = (dice.rope("lift", "top", "lug"),) if hung else ()
+    return Rig(
+        name="deck_crane",
+        dimensions=2,
+        frames=(Frame("deck", "sliding", dice.mass(), axis),),
+        anchors=(top, Anchor("lug", (0.0, 0.0, 0.0), "deck")) if hung else (),
+        rails=(Rail("rail", along, frame="deck"),),
+        masses=(Trolley("trolley", dice.mass(), "rail"), Load("load", dice.mass())),
+        ropes=(*lift, dice.rope("hoist", "trolley", "load")),
+        drives=drives("lift" if hung else "deck", "trolley", "hoist"),
+        outputs=("load.x", "load.z", "deck.position"),
+        home={
+            "deck": moved,
+            "trolley": out,
+            "load": (foot[0], 0.0, foot[2] - dice.length(0.3, 3.0)),
+        },
     )
 
 
@@ -245,6 +277,7 @@ KINDS: tuple[Callable[[Dice], Rig], ...] = (
     trolley_crane,
     roped_crane,
     jib_crane,
+    deck_crane,
     pulley_crane,
     rope_robot,
     tandem_crane,
