@@ -13,6 +13,7 @@ import numpy as np
 
 from ...models.errors import PathError
 from ...models.types import Array
+from ..paths.consistency import verify_reference
 from ..paths.reference import Reference, taylor_of
 from .equations import Equations
 from .home import approach
@@ -60,8 +61,11 @@ class Branch:
 
 
 @lru_cache(maxsize=512)
-def branch_of(problem: Problem, reference: Reference) -> Branch:
+def branch_of(problem: Problem, reference: Reference, verify: bool = True) -> Branch:
     """The branch of a rig along a path; found once for each pair.
+
+    The derivatives of a path that is not the package's own are compared with one another, unless
+    `verify` says not to.
 
     Raises
     ------
@@ -69,6 +73,8 @@ def branch_of(problem: Problem, reference: Reference) -> Branch:
         As `feedforward.solve`.
     """
     accept(problem, reference)
+    if verify:
+        verify_reference(reference, problem.rig.outputs, problem.order)
     equations = problem.equations
     arrived = approach(problem, tuple(np.asarray(reference.start).tolist()))
     signs = {block: float(sign[0]) for block, sign in arrived.signs.items()}

@@ -19,11 +19,11 @@ from .branch import Branch, branch_of
 from .equations import Equations, Orientation
 from .motion import Motion, find_slack
 from .problem import problem_of
-from .refusal import failure, stay_on_rails
+from .refusal import accept_path, failure, stay_on_rails
 from .taylor import Solution, expand
 
 
-def solve(rig: Rig, reference: Reference, times: ArrayLike) -> Motion:
+def solve(rig: Rig, reference: Reference, times: ArrayLike, *, verify: bool = True) -> Motion:
     """Inputs, coordinates and rope tensions along a reference path, to rounding.
 
     Parameters
@@ -34,6 +34,10 @@ def solve(rig: Rig, reference: Reference, times: ArrayLike) -> Motion:
         Path of the rig's outputs; at rest before 0 and after its duration.
     times
         Instants [s], shape (N,) or a number.
+    verify
+        Whether the derivatives of a reference that is not the package's own are compared with one
+        another, once for each reference.  False takes its word, as for one that knows a single
+        instant and answers with its derivatives whatever the time.
 
     Returns
     -------
@@ -50,7 +54,7 @@ def solve(rig: Rig, reference: Reference, times: ArrayLike) -> Motion:
     PathError
         The path leaves the workspace or passes a singular place, and the message
         says where and when; or it has another number of columns than the rig outputs; or
-        a time is not a finite number.
+        its derivatives contradict one another; or a time is not a finite number.
 
     A pulley without mass may hang straight below its winch at the start of a path or at its end
     (Y 6.1.1), where its place is undetermined: it is then the limit of the motion, good to about
@@ -64,7 +68,8 @@ def solve(rig: Rig, reference: Reference, times: ArrayLike) -> Motion:
         i = int(np.flatnonzero(~np.isfinite(instants))[0])
         raise PathError(f"time {i} is {instants[i]}, it must be finite")
     problem = problem_of(rig)
-    branch = branch_of(problem, reference)
+    accept_path(reference)
+    branch = branch_of(problem, reference, verify)
     taylor = taylor_of(reference, instants, problem.order)
     guess = branch.near(instants)
     solution = expand(problem, taylor, guess, follow=False, sides=branch.signs)

@@ -7,12 +7,15 @@ import numpy as np
 from ...models.errors import PathError, RigError, SmoothnessError
 from ...models.rig.rig import Rig
 from ...models.types import Array
+from ..checks import check_duration, check_order
 from ..paths.reference import Reference
 from ..paths.turning import FixedAxis
 from .equations import Equations
 from .problem import Problem
 from .taylor import Solution
 
+MEMBERS = "order", "duration", "size", "start", "goal"
+"""That a reference has beside its derivatives."""
 NAMED = 3
 """Unknowns that a refusal names."""
 RAIL_TOLERANCE = 1e-9
@@ -61,10 +64,15 @@ def accept_columns(rig: Rig, reference: Reference) -> None:
     PathError
         It has more or fewer, or turns something that is no platform, or is no path.
     """
-    if not hasattr(reference, "derivatives"):
+    accept_path(reference)
+    missing = [name for name in MEMBERS if not hasattr(reference, name)]
+    if missing:
         raise PathError(
-            f"the reference is a {type(reference).__name__}, it must be a path; from_move makes one"
+            f"the reference, a {type(reference).__name__}, has no {' and no '.join(missing)}; "
+            "feedforward.Reference says what a path has"
         )
+    check_order("the reference's order", reference.order)
+    check_duration(reference.duration, "the reference's duration")
     if reference.size != len(rig.outputs):
         raise PathError(
             f"the reference has {reference.size} columns, rig {rig.name} needs "
@@ -77,6 +85,26 @@ def accept_columns(rig: Rig, reference: Reference) -> None:
                 f"the path turns {', '.join(turned)} of rig {rig.name} about one axis, these must "
                 "be the angles alpha, beta and gamma of a platform"
             )
+
+
+def accept_path(reference: Reference) -> None:
+    """Refuse what is no path, or one that solutions cannot be remembered by.
+
+    Raises
+    ------
+    PathError
+        It is.
+    """
+    kind = type(reference)
+    if not hasattr(kind, "derivatives"):
+        raise PathError(
+            f"the reference is a {kind.__name__}, it must be a path; from_move makes one"
+        )
+    if kind.__hash__ is None:
+        raise PathError(
+            f"the reference is a {kind.__name__}, which has no hash to remember solutions by; "
+            "a dataclass has one if it is frozen"
+        )
 
 
 def first_wrong(solution: Solution, signs: dict[int, float], times: Array) -> int | None:

@@ -10,8 +10,9 @@ are continuous over all time, those two joins included.  Higher derivatives may 
 are those of the piece the time lies in, one-sided where pieces meet; at t = 0 and t = `duration`
 they are those from inside.
 
-Anything that has the members of `Reference` can be followed.  Paths made here are frozen, hashable
-and equal if their data are.
+Anything that has the members of `Reference` can be followed.  Whether its derivatives belong
+together is seen when it is first used, see `consistency`; `solve(..., verify=False)` takes its
+word.  Paths made here are frozen, hashable and equal if their data are.
 """
 
 from abc import ABC, abstractmethod

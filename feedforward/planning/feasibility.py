@@ -6,8 +6,9 @@
     report.slack, report.sizing     # per rope when it would have to push; per drive K 3.3's numbers
 
 A move is looked at as a whole: a path that is not smooth enough is still solved, with one-sided
-derivatives where its pieces meet, and a trolley past the end of its rail goes on, so that all that
-is wrong is said at once.  Only a path that the equations have no solution for ends the matter.
+derivatives where its pieces meet, a reference of one's own whose derivatives contradict one another
+is taken at its word, and a trolley past the end of its rail goes on, so that all that is wrong is
+said at once.  Only a path that the equations have no solution for ends the matter.
 
 Limits: what lies between the samples is not seen, and where a path is not smooth enough the inputs
 that its joins would take, unbounded in theory, are not in the numbers.
@@ -26,6 +27,7 @@ from ..exact.inverse import solve
 from ..exact.motion import Motion, Slack
 from ..exact.problem import problem_of
 from ..exact.refusal import RAIL_TOLERANCE, accept_columns
+from ..paths.consistency import verify_reference
 from ..paths.reference import Reference, ReferencePath
 
 LEAST_SAMPLES, MOST_SAMPLES = 101, 1_000_000
@@ -160,6 +162,10 @@ def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
     needed = problem_of(unbounded).analysis.reference_order
     times = instants(reference.duration, rate)
     problems = []
+    try:
+        verify_reference(reference, rig.outputs, needed)
+    except PathError as error:
+        problems.append(str(error))
     path = reference
     if reference.order < needed:
         problems.append(
@@ -167,7 +173,7 @@ def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
         )
         path = AsSmooth(reference, needed)
     try:
-        motion = replace(solve(unbounded, path, times), rig=rig)
+        motion = replace(solve(unbounded, path, times, verify=False), rig=rig)
     except PathError as error:
         problems.append(str(error))
         return Feasibility(rig, reference, needed, tuple(problems), str(error), None, (), ())

@@ -29,6 +29,8 @@ from ...models.types import Array
 from ...models.values import as_number
 from ..checks import check_duration
 from ..exact.inverse import solve
+from ..exact.problem import problem_of
+from ..paths.consistency import verify_reference
 from ..paths.reference import Reference, ReferencePath
 from .feasibility import TAUT, driven_unit
 
@@ -128,7 +130,7 @@ class _Bounds:
         """What decides about a move of this duration."""
         times = np.linspace(0.0, duration, self.samples)
         try:
-            motion = solve(self.rig, self.path(duration), times)
+            motion = solve(self.rig, self.path(duration), times, verify=False)
         except SmoothnessError:
             raise
         except PathError as error:
@@ -179,7 +181,8 @@ def shortest_duration(
     SmoothnessError
         The path is not smooth enough, in whatever time.
     PathError
-        No duration is within the bounds, and the message says what is in the way.
+        No duration is within the bounds, and the message says what is in the way; or the
+        derivatives of the path contradict one another.
     OptionError
         Margin or share is out of range.
     """
@@ -188,6 +191,7 @@ def shortest_duration(
     if not 0 < as_number(share) <= 1:
         raise OptionError(f"share is {share!r}, it must be above 0 and at most 1")
     start, make = _family(path)
+    verify_reference(make(start), rig.outputs, problem_of(rig).order)
     bounds = _Bounds(rig, make, float(margin), float(share))
     finer = replace(bounds, samples=FINE)
     good, bad = _boundary(bounds, start)
