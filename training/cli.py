@@ -5,7 +5,8 @@
     flatrig solve overhead --rate 1000 -o torques.csv
     flatrig compare overhead
 
-A mistake gets one line on stderr and exit status 2.
+A mistake gets one line on stderr and exit status 2.  With `--output -` the table goes to stdout,
+and all that is told about it to stderr.
 """
 
 import contextlib
@@ -13,6 +14,7 @@ import functools
 import io
 import itertools
 import operator
+import signal
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -20,14 +22,17 @@ from typing import Any
 import tyro
 
 from ..models.errors import FlatrigError
+from ..models.files import Ended, is_standard_output, reserving_standard_output, unwinding
 from .options import COMMANDS
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit status."""
     options = _parse(argv)
+    to_stdout = is_standard_output(getattr(options, "output", ""))
     try:
-        return COMMANDS[type(options)](options)
+        with unwinding(), reserving_standard_output() if to_stdout else contextlib.nullcontext():
+            return COMMANDS[type(options)](options)
     except FlatrigError as error:
         return _fail(str(error))
     except MemoryError:
@@ -41,6 +46,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         _fail("interrupted")
         return 130
+    except Ended as end:
+        _fail(f"ended by {signal.Signals(end.number).name}")
+        return 128 + end.number
 
 
 def _parse(argv: Sequence[str] | None) -> Any:
@@ -70,7 +78,9 @@ def _first_part(box: str) -> str:
 
 
 def _fail(message: str) -> int:
-    print(f"flatrig: error: {' '.join(message.split())}", file=sys.stderr)
+    line = " ".join(message.split())
+    shown = "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in line)
+    print(f"flatrig: error: {shown}", file=sys.stderr)
     return 2
 
 

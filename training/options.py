@@ -48,7 +48,7 @@ class Solve(RigOptions):
     rate: float = 1000.0
     """Samples per second [Hz]."""
     output: Output = ""
-    """CSV file to write; without one only a summary is printed."""
+    """CSV file to write, or - for standard output; without one only a summary is printed."""
 
 
 @command(crane=".compare.compare_cranes:main", hand=".compare.compare_hands:main")
@@ -178,7 +178,8 @@ class Render(RigOptions):
     """Film the move, driven by exact feedforward, without a display."""
 
     output: Output = ""
-    """GIF or MP4 to write, or PNG for three pictures in a row; results/RIG.gif if left out."""
+    """GIF or MP4 to write, or PNG for three pictures in a row; results/RIG.gif if left out, and
+    - for a GIF to standard output."""
     camera: str = "overview"
     """Camera of the scene."""
     width: int = 640

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import ModelError, OptionError
-from ..files import replacing
+from ..files import STANDARD_OUTPUT, replacing
 from ..types import Array
 from ..values import bounded
 
@@ -162,6 +162,8 @@ def backend() -> str:
 def save_animation(path: str | Path, images: Iterable[Image], fps: float = 25.0) -> Path:
     """Write pictures as GIF or, where imageio-ffmpeg is installed, MP4, by the file's ending.
 
+    "-" is standard output, for a GIF.
+
     Raises
     ------
     OptionError
@@ -170,14 +172,14 @@ def save_animation(path: str | Path, images: Iterable[Image], fps: float = 25.0)
     OutputError
         The file cannot be written.
     """
-    path = Path(path)
+    ending = ".gif" if path == STANDARD_OUTPUT else Path(path).suffix.lower()
     writers = {".gif": _write_gif, ".mp4": _write_mp4}
-    if path.suffix.lower() not in writers:
-        raise OptionError(f"cannot write {path.name}: the ending must be .gif or .mp4")
+    if ending not in writers:
+        raise OptionError(f"cannot write {Path(path).name}: the ending must be .gif or .mp4")
     _check_fps(fps)
     with replacing(path) as beside:
-        writers[path.suffix.lower()](beside, iter(images), fps)
-    return path
+        writers[ending](beside, iter(images), fps)
+    return Path(path)
 
 
 def _write_gif(path: Path, images: Iterator[Image], fps: float) -> None:
@@ -195,6 +197,7 @@ def _write_gif(path: Path, images: Iterator[Image], fps: float) -> None:
     moments = np.round(np.arange(len(pictures) + 1) * 100 / fps) * 10
     pictures[0].save(
         path,
+        "GIF",
         save_all=True,
         append_images=pictures[1:],
         duration=np.maximum(np.diff(moments), 20).astype(int).tolist(),

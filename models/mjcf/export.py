@@ -8,7 +8,7 @@ import re
 import sys
 from pathlib import Path
 
-from ..files import write_text
+from ..files import make_folder, write_text
 from ..rig.catalogue import CATALOGUE
 from ..rig.rig import Rig
 from .rig_model import spec
@@ -31,6 +31,7 @@ def export(folder: str | Path = FOLDER) -> list[Path]:
     OutputError
         The folder cannot be written to.
     """
+    make_folder(Path(folder))
     paths = []
     for name, build in CATALOGUE.items():
         path = Path(folder) / f"{name}.xml"

@@ -130,6 +130,24 @@ def test_nothing_is_left_of_a_file_that_could_not_be_finished(tmp_path: Path) ->
     assert (tmp_path / "old.csv").read_text() == "old"
 
 
+def test_a_table_goes_to_stdout_and_what_is_told_about_it_to_stderr(
+    capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert main(["solve", "overhead", "--rate", "10", "-o", "a.csv"]) == 0
+    capfd.readouterr()
+    assert main(["solve", "overhead", "--rate", "10", "-o", "-"]) == 0
+    out, err = capfd.readouterr()
+    assert out == (tmp_path / "a.csv").read_text()
+    assert "wrote -: 31 samples" in err
+    assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
+    for folder in (["compare", "overhead"], ["scenes"], ["regress"], ["reproduce", "K3.21"]):
+        assert main([*folder, "-o", "-"]) == 2
+        out, err = capfd.readouterr()
+        assert out == ""
+        assert err.startswith("flatrig: error: cannot write a folder to standard output")
+    assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
+
+
 def test_what_the_system_refuses_gets_one_line(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -20,6 +20,7 @@ from pathlib import Path
 from ...feedforward import dae
 from ...models import full_name
 from ...models.errors import OptionError, did_you_mean
+from ...models.files import make_folder
 from .. import options
 from ..console import console
 from ..jobs import Jobs, Processes
@@ -44,6 +45,8 @@ def main(command: options.Bench) -> None:
         out.print(f"{name} is not installed (pip install 'flatrig[peers]'), it is left out")
     chosen = [unit for unit in chosen if unit.name not in BY_NAME or BY_NAME[unit.name].present]
     folder = Path(command.output or FOLDER)
+    if not picture:
+        make_folder(folder)
     runs = measure(chosen, None if picture else folder, command.resume, command.processes)
     labels = list(dict.fromkeys(run.case for run in runs))
     if picture:

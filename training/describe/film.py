@@ -8,7 +8,7 @@ from rich.progress import track
 
 from ...feedforward import from_move
 from ...models.errors import OptionError
-from ...models.files import replacing
+from ...models.files import STANDARD_OUTPUT, replacing
 from .. import options
 from ..console import console
 
@@ -24,7 +24,7 @@ def main(command: options.Render) -> None:
     for name in ("width", "height", "fps"):
         options.check_number(f"--{name}", getattr(command, name))
     path = command.output or f"results/{command.label()}.gif"
-    if not path.lower().endswith((".gif", ".mp4", ".png")):
+    if path != STANDARD_OUTPUT and not path.lower().endswith((".gif", ".mp4", ".png")):
         raise OptionError(f"--output is {path}, its ending must be .gif, .mp4 or .png")
     from ...models.looks import render
     from ...models.mjcf import rig_model

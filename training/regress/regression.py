@@ -27,6 +27,7 @@ from rich.table import Table
 from ...feedforward import Reference, from_move
 from ...models import CATALOGUE, Rig, default_move, full_name, make
 from ...models.errors import ModelError
+from ...models.files import make_folder
 from ...models.mjcf import rig_model as mjcf
 from .. import options
 from ..console import console, warning
@@ -55,6 +56,7 @@ def main(command: options.Regress) -> int:
     file = Path(command.baseline or baseline.FILE)
     stored, version = ({}, "") if command.update else baseline.read(file)
     folder, out = Path(command.output or FOLDER), console()
+    make_folder(folder)
     rows = measure(names, folder, command.resume)
     write_rows(folder / "regress.csv", rows)
     regression_figures.draw(rows, folder)

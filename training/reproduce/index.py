@@ -10,6 +10,7 @@
 from pathlib import Path
 
 from ...models.errors import OptionError, did_you_mean
+from ...models.files import STANDARD_OUTPUT, make_folder
 from .. import options
 from ..console import console
 from ..tables import table
@@ -27,12 +28,16 @@ def main(command: options.Reproduce) -> None:
         out.print(table("What can be reproduced", "name", "what it shows", rows=rows, right=False))
         return
     chosen = _chosen(command.name)
+    if command.page == STANDARD_OUTPUT:
+        raise OptionError("--page is '-', it must name a file: its pictures stand beside it")
     if command.page:
         write_page(Path(command.page), chosen)
         out.print(f"wrote {command.page}", soft_wrap=True)
         return
+    folder = Path(command.output or FOLDER)
+    make_folder(folder)
     for entry in chosen:
-        summary, files = entry.run(Path(command.output or FOLDER))
+        summary, files = entry.run(folder)
         out.print(summary)
         for path in files:
             out.print(f"wrote {path}", soft_wrap=True)
