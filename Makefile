@@ -47,8 +47,8 @@ types: $(VENV)/.dev  ## mypy alone
 
 bench: $(VENV)/.core  ## measure speed, accuracy in MuJoCo, and error against run time on this machine
 	$(BIN)/flatrig bench
-	$(BIN)/flatrig accuracy
 	$(BIN)/flatrig bench feedforward
+	$(BIN)/flatrig accuracy
 
 regress: $(VENV)/.core  ## compare every model and integrator with the stored numbers
 	$(BIN)/flatrig regress

@@ -5,8 +5,9 @@
     flatrig solve overhead --rate 1000 -o torques.csv
     flatrig compare overhead
 
-A mistake gets one line on stderr and exit status 2.  With `--output -` the table goes to stdout,
-and all that is told about it to stderr.
+A mistake gets one line on stderr and exit status 2; where the answer is no, as for a move that the
+crane cannot make, the line says why and the status is 1 (`exits`).  With `--output -` the table goes
+to stdout, and all that is told about it to stderr.
 """
 
 import contextlib
@@ -23,6 +24,7 @@ import tyro
 
 from ..models.errors import FlatrigError
 from ..models.files import Ended, is_standard_output, reserving_standard_output, unwinding
+from .exits import INTERRUPTED, MISTAKE, NO, complain
 from .options import COMMANDS
 
 
@@ -39,13 +41,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail("out of memory; ask for fewer samples or simulations")
     except BrokenPipeError:  # the reader of a pipe has enough
         sys.stderr.close()
-        return 1
+        return NO
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
         return _fail(f"{where}{error.strerror or error}")
     except KeyboardInterrupt:
         _fail("interrupted")
-        return 130
+        return INTERRUPTED
     except Ended as end:
         _fail(f"ended by {signal.Signals(end.number).name}")
         return 128 + end.number
@@ -78,10 +80,8 @@ def _first_part(box: str) -> str:
 
 
 def _fail(message: str) -> int:
-    line = " ".join(message.split())
-    shown = "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in line)
-    print(f"flatrig: error: {shown}", file=sys.stderr)
-    return 2
+    complain(f"error: {message}")
+    return MISTAKE
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar, dataclass_transform
 
 from ..models.errors import OptionError
+from .exits import DONE
 from .look_up import is_hand
 
 T = TypeVar("T")
@@ -48,7 +49,7 @@ class Command:
         if not place:
             raise OptionError(f"{options.rig} is a hand; this command is for cranes only")
         module, _, function = place.partition(":")
-        return int(getattr(importlib.import_module(module, __package__), function)(options) or 0)
+        return int(getattr(importlib.import_module(module, __package__), function)(options) or DONE)
 
 
 COMMANDS: dict[type, Command] = {}

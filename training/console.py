@@ -9,12 +9,12 @@ WIDE = 130
 """Columns to use where the output is not a terminal, whose width would be unknown."""
 
 
-def console() -> Console:
-    """A console on the present stdout."""
-    plain = Console(highlight=False, markup=False)
+def console(*, stderr: bool = False) -> Console:
+    """A console on the present stdout, or on stderr for what is not a command's result."""
+    plain = Console(highlight=False, markup=False, stderr=stderr)
     if plain.is_terminal or "COLUMNS" in os.environ:
         return plain
-    return Console(highlight=False, markup=False, width=WIDE)
+    return Console(highlight=False, markup=False, width=WIDE, stderr=stderr)
 
 
 def warning(text: str) -> Text:

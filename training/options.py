@@ -18,11 +18,15 @@ MINUTES = 10.0
 """Time to train for [min], if neither time nor steps are given."""
 
 Output = Annotated[str, arg(aliases=("-o",), metavar="PATH")]
+Json = Annotated[bool, arg(name="json", help="Print JSON for scripts instead of tables.")]
+"""Its keys are described in docs/reference/command_line.md."""
 
 
 @command(".describe.listing:main")
 class List:
     """List the rigs of the catalogue with their inputs, outputs and moves."""
+
+    json: Json = False
 
 
 @command(
@@ -37,6 +41,7 @@ class Analyse(RigOptions):
     """Also find the shortest duration in which the same path can be covered."""
     margin: float = 0.0
     """Lowest tension of any rope to allow in that duration [N]."""
+    json: Json = False
 
 
 @command(
@@ -46,9 +51,14 @@ class Solve(RigOptions):
     """Compute the inputs that make the load follow its path exactly, and write them as CSV."""
 
     rate: float = 1000.0
-    """Samples per second [Hz]."""
+    """Rows per second [Hz]; the last row is the first one at which the goal is reached."""
+    hold: bool = False
+    """For a controller that holds each input until the next row: means over that time instead of
+    the inputs at the instants of the rows, which would be half a row late."""
     output: Output = ""
     """CSV file to write, or - for standard output; without one only a summary is printed."""
+    force: bool = False
+    """Write it even if the rig cannot make the move."""
 
 
 @command(crane=".compare.compare_cranes:main", hand=".compare.compare_hands:main")
@@ -63,6 +73,7 @@ class Compare(RigOptions):
     """Policy to use as residual (.json); the shipped one if left out."""
     output: Output = ""
     """Folder for the tables and the figure; results/compare-RIG if left out."""
+    json: Json = False
 
 
 @command(crane=".learn.train:main")
@@ -122,6 +133,8 @@ class Bench:
 @command(".bench.accuracy:main")
 class Accuracy:
     """Say how far exact feedforward lands from its path in MuJoCo, for every crane."""
+
+    json: Json = False
 
 
 @command(".regress.regression:main")
@@ -188,6 +201,8 @@ class Render(RigOptions):
     """Height of the pictures [pixels]."""
     fps: float = 25.0
     """Frames per second [Hz]."""
+    force: bool = False
+    """Film it even if the rig cannot make the move: there, ropes push and drives have no limits."""
 
 
 @command(".describe.film:write_scenes")

@@ -171,20 +171,20 @@ class Disturbances(Ranges[Scenario]):
         Raises
         ------
         OptionError
-            It is no scenario, or has friction where no range has.
+            It is no scenario, or has Coulomb friction where no range has.
         """
         super().check(scenario)
         if not isinstance(scenario, Scenario):
             return
         if scenario.friction and not self.friction:
             raise OptionError(
-                "the scenario has friction, but the environment was made without; make it with "
-                'disturbances="standard" or others that allow friction'
+                "the scenario has Coulomb friction, but the environment was made without; make it "
+                'with disturbances="standard" or a range, such as {"winch_friction": (0, 50)}'
             )
         if scenario.frame_friction > 0 and not self.frame_friction[1] > 0:
             raise OptionError(
-                "frames have friction in the scenario, but the environment was made without; make "
-                'it with a range in disturbances, such as {"frame_friction": (0, 50)}'
+                "frames have Coulomb friction in the scenario, but the environment was made "
+                'without; make it with a range in disturbances, such as {"frame_friction": (0, 50)}'
             )
 
     @property

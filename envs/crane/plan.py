@@ -70,11 +70,12 @@ def _at_rest(rig: Rig, reference: Reference, limits: Array) -> tuple[Array, Arra
 
 
 def _within_limits(rig: Rig, inputs: Array, limits: Array) -> None:
-    """Refuse a reference that asks more of a drive than it can give."""
+    """Refuse a reference that asks more of a drive than it can give, friction not counted."""
     most = np.abs(inputs).max(axis=0)
     for drive, value, limit in zip(rig.drives, most, limits, strict=True):
         if value > limit:
+            unit = feedforward.driven_unit(rig, drive)
             raise OptionError(
-                f"drive {drive.name} would have to give {value:.4g}, its limit is {limit:.4g}; "
-                "take a longer duration or a higher limit"
+                f"drive {drive.name} would have to give {value:.4g} {unit} even without friction, "
+                f"its limit is {limit:.4g} {unit}; take a longer duration or a higher limit"
             )

@@ -5,6 +5,8 @@ unknowns, `taylor` solves for them, `branch` picks the solution that continues t
 refuses what cannot be followed, and this module names the results.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -12,6 +14,7 @@ from ...models.errors import PathError
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..checks import check_times
+from ..holds import check_hold, means_of, within_holds
 from ..paths.reference import Reference, taylor_of
 from ..series.products import factorials
 from ..series.rotation import bryant
@@ -23,7 +26,9 @@ from .refusal import accept_path, failure, stay_on_rails
 from .taylor import Solution, expand
 
 
-def solve(rig: Rig, reference: Reference, times: ArrayLike, *, verify: bool = True) -> Motion:
+def solve(
+    rig: Rig, reference: Reference, times: ArrayLike, *, hold: float = 0.0, verify: bool = True
+) -> Motion:
     """Inputs, coordinates and rope tensions along a reference path, to rounding.
 
     Parameters
@@ -34,6 +39,10 @@ def solve(rig: Rig, reference: Reference, times: ArrayLike, *, verify: bool = Tr
         Path of the rig's outputs; at rest before 0 and after its duration.
     times
         Instants [s], shape (N,) or a number.
+    hold
+        For a controller that holds each input for so long [s], from its instant on: inputs are
+        then their means over the holds (see `flatrig.feedforward.holds`), all else is still of the
+        instants.
     verify
         Whether the derivatives of a reference that is not the package's own are compared with one
         another, once for each reference.  False takes its word, as for one that knows a single
@@ -49,6 +58,8 @@ def solve(rig: Rig, reference: Reference, times: ArrayLike, *, verify: bool = Tr
     ------
     RigError
         The rig is not flat.
+    OptionError
+        The hold is not a finite number >= 0.
     SmoothnessError
         The reference has fewer continuous derivatives than the rig needs.
     PathError
@@ -67,7 +78,7 @@ def solve(rig: Rig, reference: Reference, times: ArrayLike, *, verify: bool = Tr
     if not np.isfinite(instants).all():
         i = int(np.flatnonzero(~np.isfinite(instants))[0])
         raise PathError(f"time {i} is {instants[i]}, it must be finite")
-    problem = problem_of(rig)
+    hold, problem = check_hold(hold), problem_of(rig)
     accept_path(reference)
     branch = branch_of(problem, reference, verify)
     taylor = taylor_of(reference, instants, problem.order)
@@ -78,6 +89,9 @@ def solve(rig: Rig, reference: Reference, times: ArrayLike, *, verify: bool = Tr
         raise error
     motion = _motion(branch, solution, instants, taylor)
     stay_on_rails(rig, motion.coordinate_names, motion.positions.T, instants)
+    if hold:
+        exact = solve(rig, reference, within_holds(instants, hold), verify=verify).inputs
+        motion = replace(motion, inputs=means_of(exact), hold=hold)
     return motion
 
 

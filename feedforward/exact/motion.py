@@ -50,7 +50,8 @@ class Motion:
     accelerations: Array
     """Their second derivatives [m/s2] or [rad/s2], shape (N, coordinates)."""
     inputs: Array
-    """Inputs [N] or [N m], shape (N, inputs), columns `Rig.input_names`."""
+    """Inputs [N] or [N m], shape (N, inputs), columns `Rig.input_names`; means over the time from
+    each instant to `hold` later if that is not 0."""
     tensions: Array
     """Where a rope leaves its winch [N], shape (N, ropes), columns `Rig.rope_names`; > 0, since a
     rope can only pull."""
@@ -59,6 +60,8 @@ class Motion:
     the tension of all its falls over its length [N/m]."""
     slack: tuple[Slack, ...]
     """Intervals in which a tension is negative, as far as the samples show them."""
+    hold: float = 0.0
+    """For how long a controller is to hold each input [s]; 0 if inputs are of the instants."""
 
     def column(self, name: str) -> int:
         """Column of a coordinate.
@@ -105,6 +108,8 @@ class Motion:
     def to_csv(self, path: str | Path) -> None:
         """Write times, inputs, tensions, positions and their derivatives, one row an instant.
 
+        Inputs that are to be held until the next row stand in columns "DRIVE.held".
+
         Raises
         ------
         OutputError
@@ -112,7 +117,7 @@ class Motion:
         """
         names = [
             "time",
-            *self.rig.input_names,
+            *(f"{name}.held" if self.hold else name for name in self.rig.input_names),
             *(f"{rope}.tension" for rope in self.rig.rope_names),
             *self.coordinate_names,
             *(f"{name}_dot" for name in self.coordinate_names),

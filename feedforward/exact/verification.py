@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...models.errors import OptionError
 from ...models.types import Array
 from ..paths.reference import Reference
 from ..series.rotation import matrix
@@ -16,7 +17,17 @@ def residuals(motion: Motion, reference: Reference) -> Array:
     whose terms vanish is measured by a millionth of the largest size among its kind.
     Equations of motion, constraints and servo constraints stand in the order of
     `analyse(rig).rows`.  Shape (N, equations).
+
+    Raises
+    ------
+    OptionError
+        The motion's inputs are for a controller that holds them, not of its instants.
     """
+    if motion.hold:
+        raise OptionError(
+            f"the inputs are means over holds of {motion.hold:g} s, which satisfy no equation of "
+            "an instant; solve without hold"
+        )
     problem = problem_of(motion.rig)
     rows = problem.analysis.rows
     if not len(motion.times):

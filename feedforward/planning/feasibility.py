@@ -10,8 +10,10 @@ derivatives where its pieces meet, a reference of one's own whose derivatives co
 is taken at its word, and a trolley past the end of its rail goes on, so that all that is wrong is
 said at once.  Only a path that the equations have no solution for ends the matter.
 
-Limits: what lies between the samples is not seen, and where a path is not smooth enough the inputs
-that its joins would take, unbounded in theory, are not in the numbers.
+Limits: friction is not counted.  A description has none, so inputs, sizing and the verdict are
+those of a rig that does not rub, and one that does may need many times as much; the scenarios of
+`flatrig.envs` have it.  What lies between the samples is not seen, and where a path is not smooth
+enough the inputs that its joins would take, unbounded in theory, are not in the numbers.
 """
 
 import math
@@ -39,7 +41,7 @@ guards against refusing a rope without a load, such as one in line with two othe
 
 @dataclass(frozen=True)
 class Sizing:
-    """What a move asks of one drive (actuator dimensioning, K 3.3)."""
+    """What a move asks of one drive without friction (actuator dimensioning, K 3.3)."""
 
     drive: str
     unit: str
@@ -61,7 +63,7 @@ class Sizing:
 
     @property
     def within(self) -> bool:
-        """Whether the limit suffices."""
+        """Whether the limit suffices, friction not counted."""
         return self.largest <= self.limit
 
     @property
@@ -96,7 +98,7 @@ class Feasibility:
 
     @property
     def feasible(self) -> bool:
-        """Whether nothing is wrong."""
+        """Whether nothing is wrong, friction not counted."""
         return not self.problems
 
     @property
@@ -131,6 +133,8 @@ class AsSmooth(ReferencePath):
 
 def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
     """Whether a rig can make a move: smoothness, workspace, rails, ropes and drives.
+
+    Friction is not counted, for a description has none.
 
     Parameters
     ----------

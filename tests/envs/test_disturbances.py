@@ -353,7 +353,7 @@ def test_a_frame_that_rubs_stays_where_it_is():
             env.step(pushed / env.unwrapped.task.limits)
         moved.append(abs(env.unwrapped.task.plant.drive_positions[0, 0]))
     assert moved[1] < 0.05 * moved[0]
-    with pytest.raises(models.OptionError, match="frames have friction in the scenario"):
+    with pytest.raises(models.OptionError, match="frames have Coulomb friction in the scenario"):
         start(envs.Scenario(frame_friction=1.0), ROTARY, disturbances=FRICTION)
 
 

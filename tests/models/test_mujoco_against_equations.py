@@ -1,5 +1,7 @@
 """Two roads to the motion: MuJoCo's model and the description's own equations."""
 
+import json
+
 import mujoco
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from flatrig import models
 from flatrig.feedforward import equations_of, from_move, redundant
 from flatrig.models.mjcf import rig_model
 from flatrig.training.bench import accuracy
-from flatrig.training.console import console
+from flatrig.training.cli import main
 from flatrig.training.simulate.open_loop import open_loop
 
 RIGS = [*models.CATALOGUE, "cantilever", "gantry", "planar navy", "navy", "four falls"]
@@ -112,6 +114,16 @@ def test_the_table_says_which_goals_are_missed(monkeypatch, capsys):
         accuracy.Case("too late", rig, move, arrival=1e-9),
     )
     monkeypatch.setattr(accuracy, "cases", lambda: cases)
-    console().print(accuracy.accuracy_table())
-    rows = [line for line in capsys.readouterr().out.splitlines() if "e-0" in line]
+    monkeypatch.setattr(accuracy, "massless", lambda: ())
+    assert main(["accuracy"]) == 1
+    out, err = capsys.readouterr()
+    rows = [line for line in out.splitlines() if "e-0" in line]
     assert ["missed" in row for row in rows] == [False, True, True]
+    assert err == "flatrig: a goal is missed: too far (and 1 more problem)\n"
+    assert main(["accuracy", "--json"]) == 1
+    found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    assert [row["reached"] for row in found["moves"]] == [True, False, False]
+    assert found["moves"][1]["largest_m"] > found["moves"][1]["largest_goal_m"] == 1e-9
+    assert found["moves"][1]["arrival_goal_m"] is None
+    monkeypatch.setattr(accuracy, "cases", lambda: cases[:1])
+    assert main(["accuracy"]) == 0

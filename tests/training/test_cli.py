@@ -67,11 +67,12 @@ def test_analyse_tells_structure_and_feasibility(capsys: pytest.CaptureFixture[s
     assert re.search(r"derivatives the path needs +4", out)
     assert re.search(r"degrees of freedom left +0 \(flat\)", out)
     assert "servo constraint load.x" in out
-    assert "The move is feasible." in out
+    assert "What the drives need, without friction" in out
+    assert "The move is feasible without friction." in out
 
 
 def test_analyse_names_a_drive_that_is_too_weak(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["analyse", "overhead", "--duration", "2"]) == 0
+    assert main(["analyse", "overhead", "--duration", "2"]) == 1
     out = capsys.readouterr().out
     assert "beyond its limit" in out
     assert "The move is not feasible." in out
@@ -168,9 +169,6 @@ WRONG = {
     "unknown part": (["solve", "overhead", "--set", "lode.mass=3"], "did you mean load"),
     "unknown field": (["solve", "overhead", "--set", "load.mas=3"], "did you mean mass"),
     "no assignment": (["solve", "overhead", "--set", "load_mass"], "load_mass=80"),
-    "rough reference": (["solve", "overhead", "--order", "2"], "needs 4"),
-    "path through the rail": (["solve", "overhead", "--goal", "5", "1"], "t = "),
-    "past the rail's end": (["solve", "overhead", "--goal", "9", "-1"], "rail beam"),
     "zero duration": (["analyse", "overhead", "--duration", "0"], "duration is 0 s"),
     "zero rate": (["solve", "overhead", "--rate", "0"], "--rate is 0 Hz"),
     "absurd rate": (["solve", "overhead", "--rate", "1e12"], "samples"),

@@ -22,9 +22,9 @@ def _in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.chdir(tmp_path)
 
 
-def said(capsys: pytest.CaptureFixture[str], *argv: str) -> str:
+def said(capsys: pytest.CaptureFixture[str], *argv: str, status: int = 0) -> str:
     """What a command prints, in one line with single spaces."""
-    assert main(argv) == 0
+    assert main(argv) == status
     return " ".join(capsys.readouterr().out.split())
 
 
@@ -79,14 +79,14 @@ def test_analysis_follows_the_excluded_spin(capsys: pytest.CaptureFixture[str]) 
 
 
 def test_printed_move_is_shown_to_be_impossible(capsys: pytest.CaptureFixture[str]) -> None:
-    out = said(capsys, "analyse", "three-finger", "--move", "printed")
+    out = said(capsys, "analyse", "three-finger", "--move", "printed", status=1)
     assert "finger1 -0.7407" in out  # pulls
     assert "problem: hand three_finger_hand cannot make the motion from t = 0.535 s on" in out
     assert out.endswith("The move is not feasible.")
 
 
 def test_a_plan_that_is_refused_is_a_problem(capsys: pytest.CaptureFixture[str]) -> None:
-    out = said(capsys, "analyse", "ball-in-corner", "--set", "plate_radius=0.005")
+    out = said(capsys, "analyse", "ball-in-corner", "--set", "plate_radius=0.005", status=1)
     assert "structure" in out
     assert "problem: hand ball_in_corner cannot make the move: from t =" in out
     assert out.endswith("The move is not feasible.")
@@ -108,7 +108,9 @@ def test_solution_is_the_plan_with_its_forces(capsys: pytest.CaptureFixture[str]
 
 def test_solution_without_forces_is_the_motion(capsys: pytest.CaptureFixture[str]) -> None:
     argv = ("solve", "three-finger", "--move", "printed", "--rate", "20", "-o", "motion.csv")
-    out = said(capsys, *argv)
+    assert said(capsys, *argv, status=1).endswith("The move is not feasible.")
+    assert not Path("motion.csv").exists()
+    out = said(capsys, *argv, "--force")
     assert "The move is not feasible. wrote motion.csv: 21 samples" in out
     names = read("motion.csv").dtype.names
     assert "finger1.tip_turn.x" in names

@@ -1,9 +1,17 @@
 """Metrics against runs whose values are known, and intervals against theory."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
+from flatrig.training.compare.compare_hands import AWAY, drive
+from flatrig.training.compare.contenders import Contender
 from flatrig.training.compare.metrics import (
+    LASTING,
+    SETTLED,
     Record,
     estimates,
     measure,
@@ -59,6 +67,77 @@ def test_settling_time_of_a_decay() -> None:
     found = measure(record(offset))
     assert found.settling[0] == pytest.approx(np.log(20.0), abs=PERIOD)
     assert found.settled[0] == 1.0
+
+
+def test_a_load_that_swings_through_the_goal_has_not_settled() -> None:
+    """It is 80 mm off twice in the last second, and at the goal when the run ends."""
+    offset = constant((0.0, 0.0))
+    offset[:, 0, 0] = 0.08 * np.sin(np.pi * (TIMES - TIMES[-1]) / 0.5)
+    assert abs(offset[-1]).max() < 1e-12
+    found = measure(record(offset))
+    assert found.settled[0] == 0.0
+    assert found.settling[0] == pytest.approx(TIMES[-1] - ARRIVAL)
+
+
+def test_a_load_has_settled_if_it_stays_for_the_last_second() -> None:
+    """It leaves the goal for one period that ends 1 s, or a period more, before the run does."""
+    offset = constant((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
+    lasting = round(LASTING / PERIOD)
+    offset[-lasting - 2, 0, 0] = offset[-lasting - 1, 1, 0] = 2 * SETTLED
+    offset[TIMES < ARRIVAL - PERIOD / 2, 2, 0] = 2 * SETTLED  # on the way is not after arrival
+    found = measure(record(offset))
+    np.testing.assert_array_equal(found.settled, [1.0, 0.0, 1.0])
+    np.testing.assert_allclose(found.settling, [3.0, 4.0, 0.0], atol=1e-9)
+
+
+def test_a_run_that_ends_near_the_goal_too_early_has_not_settled() -> None:
+    offset = constant((0.0, 0.0))
+    alive = np.ones(offset.shape[:2], bool)
+    alive[-10:] = False
+    found = measure(record(offset, alive))
+    assert found.settled[0] == 0.0
+    assert found.settling[0] == pytest.approx(4.0)
+
+
+def test_a_hold_that_is_too_short_shows_no_settling() -> None:
+    offset = constant((0.0, 0.0))
+    late = replace(record(offset), arrival=np.array([TIMES[-1] - 0.9 * LASTING]))
+    assert measure(late).settled[0] == 0.0
+
+
+def swinging(distance: np.ndarray, period: float) -> Any:
+    """An environment of one hand whose object is so far from the plan's end, in x, from t = 0."""
+    still = np.hstack((np.zeros(3), np.eye(3).ravel()))
+    task = SimpleNamespace(
+        plant=SimpleNamespace(outputs=still[None]),
+        plans=[SimpleNamespace(rows=np.tile(np.hstack((0.0, 0.0, still)), (len(distance) + 1, 1)))],
+        rows=SimpleNamespace(parts={"outputs": still[None]}),
+        limits=np.ones(1),
+        period=period,
+    )
+    infos = iter(
+        {"object": np.array([[x, 0, 0]]), "rotation": np.eye(3)[None], "input": np.zeros((1, 1))}
+        for x in distance
+    )
+    no = np.zeros(1, bool)
+    return SimpleNamespace(
+        task=task,
+        action_space=SimpleNamespace(shape=(1, 1)),
+        num_envs=1,
+        reset=lambda **_: (None, {}),
+        step=lambda _: (None, no, no, no, next(infos)),
+    )
+
+
+@pytest.mark.parametrize(("last_away", "reached"), [(0.9, 0.0), (1.1, 1.0)])
+def test_an_object_has_reached_its_goal_if_it_stays(last_away: float, reached: float) -> None:
+    """It comes to rest there in the end, the last time so long before that it was off."""
+    times = PERIOD * np.arange(1, 151)
+    distance = np.where(times < times[-1] - last_away, 2 * AWAY, 0.0)
+    contender = Contender("none", lambda env: env)
+    run = drive(swinging(distance, PERIOD), contender, [None], arrival=1.0)
+    assert run.metrics.away[0] == 0.0
+    assert run.metrics.reached[0] == reached
 
 
 def test_after_an_early_end_the_load_rests() -> None:

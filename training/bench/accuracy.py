@@ -6,9 +6,11 @@ input held at its mid-step value.  Beside the distances stand the tensions, in M
 
 A pulley without mass is a limit that MuJoCo only approaches: the second table shows the distance
 fall in proportion to the mass that stands in for it.
+
+The exit status is 1 if a goal is missed.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +20,9 @@ from ...feedforward import analyse, from_move
 from ...models import CATALOGUE, Move, Rig, default_move, make
 from ...models.rig.manipulators import MANIPULATOR_MOVES
 from .. import options
+from ..as_json import show_json
 from ..console import console, verdict
+from ..exits import refuse
 from ..simulate.open_loop import open_loop
 from ..tables import table
 
@@ -75,39 +79,92 @@ def _moves(rig: Rig) -> dict[str, Move]:
     return moves
 
 
-def main(_: options.Accuracy) -> None:
-    """Print both tables."""
-    out = console()
-    out.print(accuracy_table())
-    out.print(massless_table())
+@dataclass(frozen=True)
+class Landing:
+    """How far a load is from its path in MuJoCo, beside the goals (None without one)."""
+
+    move: str
+    """Name of the move."""
+    duration_s: float
+    arrival_m: float
+    """Distance at arrival."""
+    arrival_goal_m: float | None
+    largest_m: float
+    """Largest distance on the way."""
+    largest_goal_m: float | None
+    tension_N: float
+    """Largest difference of tensions between MuJoCo and `solve`."""
+    tension_goal_N: float
+    reached: bool
+    """Whether all goals are."""
 
 
-def accuracy_table() -> Table:
+@dataclass(frozen=True)
+class StandIn:
+    """How far a load is from its path where a small mass stands in for a massless pulley's."""
+
+    move: str
+    """Name of the move."""
+    mass_kg: float
+    step_s: float
+    largest_m: float
+    """Largest distance."""
+    largest_over_mass_m_kg: float
+    reached: bool
+    """Whether the distance is in proportion to the mass, to `PROPORTION`."""
+
+
+def main(command: options.Accuracy) -> int:
+    """Print both tables; the status says whether all goals are reached."""
+    landings = [land(case) for case in cases()]
+    if not command.json:
+        console().print(accuracy_table(landings))
+    stand_ins = list(massless())
+    if command.json:
+        show_json({"moves": landings, "massless_pulleys": stand_ins})
+    else:
+        console().print(massless_table(stand_ins))
+    missed = [row.move for row in (*landings, *stand_ins) if not row.reached]
+    return refuse("a goal is missed", missed)
+
+
+def land(case: Case) -> Landing:
+    """Make a move in MuJoCo, open loop."""
+    run = open_loop(case.rig, from_move(case.move))
+    end, most = float(run.distance[-1]), float(run.distance.max())
+    tension = float(np.abs(run.tensions() - run.motion.tensions).max())
+    near = end <= (case.arrival or np.inf) and most <= (case.largest or np.inf)
+    return Landing(
+        move=case.label,
+        duration_s=float(run.times[-1]),
+        arrival_m=end,
+        arrival_goal_m=case.arrival,
+        largest_m=most,
+        largest_goal_m=case.largest,
+        tension_N=tension,
+        tension_goal_N=TENSION_GOAL,
+        reached=near and tension <= TENSION_GOAL,
+    )
+
+
+def accuracy_table(landings: Iterable[Landing]) -> Table:
     """Distances and tensions of all cases beside the goals."""
     lines = table(
         "Exact feedforward in MuJoCo, open loop (RK4, 1 ms, inputs held at their mid-step value)",
         "move", "[s]", "arrival [m]", "goal [m]", "largest [m]", "goal [m]",
         "tension [N]", "goal [N]", "",
     )  # fmt: skip
-    for case in cases():
-        run = open_loop(case.rig, from_move(case.move))
-        end, most = float(run.distance[-1]), float(run.distance.max())
-        tension = float(np.abs(run.tensions() - run.motion.tensions).max())
-        reached = end <= (case.arrival or np.inf) and most <= (case.largest or np.inf)
+    for row in landings:
         lines.add_row(
-            case.label, f"{run.times[-1]:g}", f"{end:.1e}", _goal(case.arrival),
-            f"{most:.1e}", _goal(case.largest), f"{tension:.1e}", _goal(TENSION_GOAL),
-            verdict(reached and tension <= TENSION_GOAL),
+            row.move, f"{row.duration_s:g}", f"{row.arrival_m:.1e}", _goal(row.arrival_goal_m),
+            f"{row.largest_m:.1e}", _goal(row.largest_goal_m), f"{row.tension_N:.1e}",
+            _goal(row.tension_goal_N), verdict(row.reached),
         )  # fmt: skip
     return lines
 
 
-def massless_table() -> Table:
-    """Distance from the path of a load whose massless pulley has a small mass in MuJoCo."""
-    lines = table(
-        "A pulley without mass, stood in for by a small one",
-        "move", "mass [kg]", "step [ms]", "largest [m]", "over mass [m/kg]", "",
-    )  # fmt: skip
+def massless() -> Iterator[StandIn]:
+    """Distances from the path of a load whose massless pulley has a small mass in MuJoCo."""
     for name in ("navy_crane_2d", "navy_crane_3d"):
         rig = make(name, pulley_mass=0.0)
         reference = from_move(default_move(rig))
@@ -120,10 +177,21 @@ def massless_table() -> Table:
         ratios = distances / [mass for mass, _ in STAND_INS]
         usual = float(np.median(ratios))
         for (mass, step), distance, ratio in zip(STAND_INS, distances, ratios, strict=True):
-            lines.add_row(
-                name, f"{mass:g}", f"{1e3 * step:g}", f"{distance:.1e}", f"{ratio:.2g}",
-                verdict(1 / PROPORTION <= ratio / usual <= PROPORTION),
-            )  # fmt: skip
+            proportional = bool(1 / PROPORTION <= ratio / usual <= PROPORTION)
+            yield StandIn(name, mass, step, float(distance), float(ratio), proportional)
+
+
+def massless_table(stand_ins: Iterable[StandIn]) -> Table:
+    """The same beside the masses."""
+    lines = table(
+        "A pulley without mass, stood in for by a small one",
+        "move", "mass [kg]", "step [ms]", "largest [m]", "over mass [m/kg]", "",
+    )  # fmt: skip
+    for row in stand_ins:
+        lines.add_row(
+            row.move, f"{row.mass_kg:g}", f"{1e3 * row.step_s:g}", f"{row.largest_m:.1e}",
+            f"{row.largest_over_mass_m_kg:.2g}", verdict(row.reached),
+        )  # fmt: skip
     return lines
 
 

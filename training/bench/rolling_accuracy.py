@@ -5,6 +5,8 @@ position servo on slides and tips; nothing about the object is measured.  Slip i
 contacts slip over the way that they roll.  Beside the recommended settings stand MuJoCo's defaults.
 A static grasp creeps in proportion to 1/impratio.  The last table shows why contacts have no
 torsional friction (condim 4) and no rolling friction (6).
+
+The exit status is 1 if a hand misses a goal with the recommended settings.
 """
 
 from collections.abc import Iterable
@@ -21,6 +23,7 @@ from ...models.looks.render import frames, save_animation
 from ...models.mjcf.hand_model import MUJOCO_DEFAULTS, RECOMMENDED, ContactSettings, compile_hand
 from .. import options
 from ..console import console, verdict, warning
+from ..exits import DONE, refuse
 from ..simulate.hand_runs import HandRun, Track, run_track
 from ..tables import table
 
@@ -91,15 +94,17 @@ class Case:
         return run_track(compile_hand(self.plan.hand, settings, visuals=False), track)
 
 
-def main(command: options.Hands) -> None:
-    """Print the three tables, or film one hand."""
+def main(command: options.Hands) -> int:
+    """Print the three tables, or film one hand; the status says whether all goals are reached."""
     if command.output:
         film(command.name, command.output)
-        return
+        return DONE
     names = [full_hand_name(command.name)] if command.name else list(HAND_CATALOGUE)
-    cases, out = [Case.of(name) for name in names], console()
-    for summary in (rolling_table, holding_table, condim_table):
-        out.print(summary(cases))
+    cases, out, missed = [Case.of(name) for name in names], console(), Missed()
+    for summary in (rolling_table(cases, missed), holding_table(cases, missed)):
+        out.print(summary)
+    out.print(condim_table(cases))
+    return refuse("a goal is missed with the recommended settings", missed)
 
 
 def film(name: str, path: str) -> None:
@@ -129,8 +134,12 @@ def describe(settings: ContactSettings) -> str:
     )
 
 
-def rolling_table(cases: Iterable[Case]) -> Table:
-    """Slip and the object's final pose."""
+Missed = list[str]
+"""Names of the hands that miss a goal with the recommended settings."""
+
+
+def rolling_table(cases: Iterable[Case], missed: Missed) -> Table:
+    """Slip and the object's final pose; adds to those that `missed` a goal."""
     lines = table(
         f"Rolling for {SECONDS:g} s.  Recommended: {describe(RECOMMENDED)}, condim 3 (4 for a hand "
         f"without spin).\nMuJoCo's defaults: {describe(MUJOCO_DEFAULTS)}, condim 3",
@@ -139,13 +148,16 @@ def rolling_table(cases: Iterable[Case]) -> Table:
     )  # fmt: skip
     for case in cases:
         for label, settings in (("recommended", RECOMMENDED), ("defaults", MUJOCO_DEFAULTS)):
+            judged = settings is RECOMMENDED
             try:
                 run = case.roll(settings, SECONDS)
             except ModelError as error:
                 lines.add_row(case.words, label, *("",) * 8, warning(str(error)))
+                missed += [case.name] * judged
                 continue
             log, off = run.log, float(np.degrees(run.turned[-1]))
             reached = log.slip_ratio <= case.slip and run.distance[-1] <= AWAY and off <= TURNED
+            missed += [case.name] * (judged and (not reached or bool(run.lost)))
             lines.add_row(
                 case.words, label, f"{log.rolled.max():.3f}", f"{log.slip_ratio:.1e}",
                 f"<= {case.slip:g}", f"{log.spun.max():.2g}", f"{1e6 * log.penetration:.1f}",
@@ -155,8 +167,8 @@ def rolling_table(cases: Iterable[Case]) -> Table:
     return lines
 
 
-def holding_table(cases: Iterable[Case]) -> Table:
-    """How far the object moves while it is held still [mm]."""
+def holding_table(cases: Iterable[Case], missed: Missed) -> Table:
+    """How far the object moves while it is held still [mm]; adds to those that `missed` a goal."""
     lines = table(
         f"Creep of a static grasp in {SECONDS:g} s [mm]",
         "hand", "goal", *GRASPS, "",
@@ -169,6 +181,7 @@ def holding_table(cases: Iterable[Case]) -> Table:
             for run, settings in zip(runs, GRASPS.values(), strict=True)
         ]  # fmt: skip
         reached = runs[0].distance.max() <= CREEP
+        missed += [case.name] * (not reached or bool(runs[0].lost))
         lines.add_row(case.words, f"<= {1e3 * CREEP:g}", *cells, _verdict(runs[0], reached))
     return lines
 

@@ -26,7 +26,7 @@ from ...models.types import Array
 from .. import options
 from ..console import console, verdict
 from ..tables import table
-from .accuracy import accuracy_table
+from .accuracy import accuracy_table, cases, land
 
 SAMPLES = 3001
 """Samples of a path whose solution is timed."""
@@ -67,7 +67,7 @@ def main(command: options.Bench) -> None:
     out = console()
     out.print(feedforward_table(command.repetitions))
     out.print(environment_table(command.repetitions))
-    out.print(accuracy_table())
+    out.print(accuracy_table(map(land, cases())))
 
 
 def feedforward_table(repetitions: int) -> Table:

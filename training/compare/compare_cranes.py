@@ -20,12 +20,14 @@ from ...envs.crane.payloads import payloads
 from ...models import Move, Rig
 from ...models.files import make_folder
 from .. import options
+from ..describe.feasible import INFEASIBLE, problems_of
+from ..exits import DONE, refuse
 from ..policy import Policy, shipped
 from .contenders import EVALUATION_SEED, Contender, with_residual
 from .driving import drive_all, periods
 from .figure import draw
-from .metrics import SETTLED, Metrics, Record, between, measure
-from .report import INTERVALS, Column, Comparison, Run, show, write
+from .metrics import LASTING, SETTLED, Metrics, Record, between, measure
+from .report import INTERVALS, Column, Comparison, Run, report
 
 HOLD = 4.0
 """How long a run goes on after arrival [s]."""
@@ -37,11 +39,23 @@ COLUMNS = (
     Column("effort", "effort\n[% of limit]", 1e2, 1),
     Column("tension", "lowest\ntension [N]", 1.0, 0),
 )
+UNITS = {
+    "rmse": "m",
+    "largest": "m",
+    "swing": "m",
+    "settling": "s",
+    "effort": "share of the limits",
+    "tension": "N",
+    "settled": "share of the scenarios",
+    "failed": "share of the scenarios",
+    "turn": "rad",
+}
+"""Units of the metrics."""
 TURN = Column("turn", "turned\nby [deg]", 180.0 / np.pi, 2)
 """One more where a platform has a reference for its orientation."""
 NOTES = (
-    f"Settled: stays within {1e3 * SETTLED:g} mm of the goal; one that does not counts with "
-    "the whole time after arrival. "
+    f"Settled: stays within {1e3 * SETTLED:g} mm of the goal for the last {LASTING:g} s or longer, "
+    "to the end; a load that does not counts with the whole time after arrival as settling time. "
     "After an early end the load counts as resting, and its swing not at all."
 )
 
@@ -123,12 +137,14 @@ def carried(rig: Rig) -> tuple[list[int], list[int]]:
     return places or list(range(len(names))), angles if len(angles) == 3 else []
 
 
-def main(command: options.Compare) -> None:
+def main(command: options.Compare) -> int:
     """Compare, print the table, and save tables and figure."""
     rig, move = command.target()
     options.check_number("--scenarios", command.scenarios, lowest=1, open_end=False)
     folder = Path(command.output or f"results/compare-{command.label()}")
     policy = Policy.load(command.policy) if command.policy else shipped(rig.name)
+    if status := refuse(INFEASIBLE, problems_of(rig, move)):
+        return status
     scenarios = [Scenario()] if command.nominal else scenarios_for(rig, command.scenarios)
     make_folder(folder)
     if policy is None:
@@ -136,9 +152,9 @@ def main(command: options.Compare) -> None:
     else:
         origin = command.policy or f"shipped with flatrig, {policy.card.training.get('command')}"
     comparison = compare(rig, move, scenarios, policy, origin)
-    write(comparison, folder)
     draw(comparison, folder / "figure.png")
-    show(comparison, folder)
+    report(comparison, folder, command.json)
+    return DONE
 
 
 def compare(
@@ -180,7 +196,7 @@ def compare(
         kind="rig",
         name=rig.name,
         thing="Load",
-        units="m, rad, s, N, shares of the limits",
+        units=UNITS,
         scenarios=scenarios,
         arrival=feedforward.from_move(move).duration,
         runs=runs,

@@ -4,7 +4,8 @@
     flatrig compare ball-on-plate --nominal
 
 As for cranes, every controller drives all scenarios at once.  What counts is where the object ends:
-how far from the plan's end, and turned by how much.  An object that is lost stays where it was.
+how far from the plan's end, and turned by how much; it has reached it if it stays that near for the
+last second of the run, or longer.  An object that is lost stays where it was.
 """
 
 from collections.abc import Sequence
@@ -19,17 +20,21 @@ from ...envs import HandDisturbances, HandScenario, HandVectorEnv, hand_design
 from ...envs.hand.goals import DURATION
 from ...envs.hand.observation import pose_error
 from ...models import Hand, HandMove
+from ...models.errors import PathError
 from ...models.files import make_folder
-from ...models.types import Array, Mask
+from ...models.types import Array
 from .. import options
 from ..console import warning
+from ..describe.feasible import INFEASIBLE
+from ..exits import DONE, refuse
 from .contenders import EVALUATION_SEED, Contender
 from .driving import drive_all, periods
 from .figure import draw
-from .report import INTERVALS, Column, Comparison, Run, show, write
+from .metrics import LASTING, lasts
+from .report import INTERVALS, Column, Comparison, Run, report
 
 AWAY, TURNED = 1e-3, 0.5
-"""Goals for the object's final pose [m], [degrees]."""
+"""How near to the plan's end an object that has reached it stays [m], [degrees]."""
 COLUMNS = (
     Column("away", "off at the\nend [mm]", 1e3, 4),
     Column("turned", "turned off\n[deg]", 180.0 / np.pi, 4),
@@ -37,9 +42,19 @@ COLUMNS = (
     Column("largest", "largest\nerror [mm]", 1e3, 2),
     Column("effort", "effort\n[% of limit]", 1e2, 1),
 )
+UNITS = {
+    "away": "m",
+    "turned": "rad",
+    "rmse": "m",
+    "largest": "m",
+    "effort": "share of the limits",
+    "reached": "scenarios",
+    "ended": "scenarios",
+}
+"""Units of the metrics."""
 NOTES = (
-    f"Reached: ends within {1e3 * AWAY:g} mm and {TURNED:g} degrees of the plan's end, "
-    "without an early end; after one the object counts as resting."
+    f"Reached: stays within {1e3 * AWAY:g} mm and {TURNED:g} degrees of the plan's end for the "
+    f"last {LASTING:g} s, without an early end; after one the object counts as resting."
 )
 
 
@@ -59,15 +74,12 @@ class HandMetrics:
     """Root mean square input until the run ended, as a share of the limits."""
     ended: list[str]
     """Why the run ended early, "" if it did not."""
-
-    @property
-    def reached(self) -> Mask:
-        """Whether the object ended within the goals."""
-        near = (self.away <= AWAY) & (np.degrees(self.turned) <= TURNED)
-        return np.asarray(near & np.array([not reason for reason in self.ended]))
+    reached: Array
+    """1 where the object stays within `AWAY` and `TURNED` of the plan's end for the last `LASTING`
+    or longer, else 0."""
 
 
-def main(command: options.Compare) -> None:
+def main(command: options.Compare) -> int:
     """Compare, print the table, and save tables and figure."""
     hand, move = command.hand_target()
     options.check_number("--scenarios", command.scenarios, lowest=1, open_end=False)
@@ -78,11 +90,15 @@ def main(command: options.Compare) -> None:
     if command.nominal:
         scenarios = [HandScenario()]
     folder = Path(command.output or f"results/compare-{hand.name}")
+    try:
+        HandVectorEnv(hand, num_envs=1, reference=move)
+    except PathError as error:
+        return refuse(INFEASIBLE, [str(error)])
     make_folder(folder)
     comparison = compare(hand, move, scenarios)
-    write(comparison, folder)
     draw(comparison, folder / "figure.png")
-    show(comparison, folder)
+    report(comparison, folder, command.json)
+    return DONE
 
 
 def compare(hand: Hand, move: HandMove, scenarios: Sequence[HandScenario]) -> Comparison:
@@ -93,13 +109,15 @@ def compare(hand: Hand, move: HandMove, scenarios: Sequence[HandScenario]) -> Co
         )
     )
     runs, absent = drive_all(
-        "hand", lambda entry: drive(env(entry.sensors), entry, scenarios), learned=False
+        "hand",
+        lambda entry: drive(env(entry.sensors), entry, scenarios, move.duration),
+        learned=False,
     )
     return Comparison(
         kind="hand",
         name=hand.name,
         thing="Object",
-        units="m, rad, shares of the limits",
+        units=UNITS,
         scenarios=scenarios,
         arrival=move.duration,
         runs=runs,
@@ -116,14 +134,17 @@ def compare(hand: Hand, move: HandMove, scenarios: Sequence[HandScenario]) -> Co
     )
 
 
-def drive(env: HandVectorEnv, contender: Contender, scenarios: Sequence[HandScenario]) -> Run:
-    """Run all scenarios to their end with one contender."""
+def drive(
+    env: HandVectorEnv, contender: Contender, scenarios: Sequence[HandScenario], arrival: float
+) -> Run:
+    """Run all scenarios to their end with one contender; the plan arrives at `arrival` [s]."""
     task, num = env.task, len(scenarios)
     steps = periods(contender.wrap(env), scenarios)
     reasons, pose = [""] * num, task.plant.outputs.copy()
-    distance, effort, lasted = [], np.zeros(num), np.zeros(num)
+    distance, near, effort, lasted = [], [], np.zeros(num), np.zeros(num)
     rows, place = task.plans[0].rows, task.rows.parts["outputs"].shape[1]
     planned = rows[:, 2 * len(task.limits) :][:, :place]
+    end = np.tile(planned[-1], (num, 1))
     for row, (alive, info) in zip(planned[1:], steps, strict=False):  # the steps are endless
         for i in np.flatnonzero(~alive):
             reasons[i] = reasons[i] or info["reason"][i]
@@ -132,15 +153,17 @@ def drive(env: HandVectorEnv, contender: Contender, scenarios: Sequence[HandScen
         squares = np.square(info["input"] / task.limits).mean(axis=1)
         effort, lasted = effort + np.where(alive, squares, 0.0), lasted + alive
         distance.append(np.linalg.norm(pose[:, :3] - row[:3], axis=1))
-    error, over_time = pose_error(pose, np.tile(planned[-1], (num, 1))), np.array(distance)
-    times = task.period * np.arange(1.0, len(distance) + 1.0)
+        away, turned = np.linalg.norm(pose_error(pose, end).reshape(num, 2, 3), axis=2).T
+        near.append((away <= AWAY) & (np.degrees(turned) <= TURNED))
+    over_time, times = np.array(distance), task.period * np.arange(1.0, len(distance) + 1.0)
     metrics = HandMetrics(
-        away=over_time[-1],
-        turned=np.linalg.norm(error[:, 3:], axis=1),
+        away=away,
+        turned=turned,
         rmse=np.sqrt(np.square(over_time).mean(axis=0)),
         largest=over_time.max(axis=0),
         effort=np.sqrt(effort / np.maximum(lasted, 1)),
         ended=reasons,
+        reached=np.where(reasons, 0.0, lasts(times[:, None] - arrival, np.array(near))),
     )
     return Run(contender, times, over_time, metrics)
 

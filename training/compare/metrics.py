@@ -2,6 +2,11 @@
 
 Arrays hold T control periods of N scenarios; a run that ended early is marked by `alive`, and its
 load stays where it was while the reference moves on: giving up does not make a controller better.
+
+A load has settled if from some instant after arrival on it stays within `SETTLED` of the goal to
+the end of the run, and if that is for `LASTING` or longer: a load that swings through the goal as
+the run ends has not.  The settling time is from arrival to that instant.  It is the whole time
+after arrival where the load has not settled, so that it is longer for every worse run.
 """
 
 from collections.abc import Sequence
@@ -14,7 +19,11 @@ from scipy.spatial.transform import Rotation
 from ...models.types import Array, Mask
 
 SETTLED = 0.05
-"""The load has settled where its distance from the goal stays below this [m]."""
+"""How near to the goal a load that has settled stays [m]."""
+LASTING = 1.0
+"""How long it has to stay there until the end of the run, at the least [s]."""
+ROUNDED = 1e-9
+"""Sums of control periods are rounded by less than this [s]."""
 RESAMPLES = 10_000
 """Number of bootstrap resamples."""
 CONFIDENCE = 0.95
@@ -63,13 +72,14 @@ class Metrics:
     """Half of the load's horizontal travel, there and back, after arrival [m]; NaN for a run that
     ended before."""
     settling: Array
-    """Time from arrival until the load stays within SETTLED of the goal; at most the hold [s]."""
+    """Time from arrival until the load stays within SETTLED of the goal [s]; all of the time after
+    arrival if it has not settled."""
     effort: Array
     """Root mean square input, as a share of the limits."""
     tension: Array
     """Lowest tension of any rope [N]."""
     settled: Array
-    """1 where the load stays within SETTLED of the goal at the end, else 0."""
+    """1 where the load stays within SETTLED of the goal for the last LASTING or longer, else 0."""
     failed: Array
     """1 where the run ended early, else 0."""
     turn: Array
@@ -80,18 +90,21 @@ class Metrics:
 def measure(record: Record) -> Metrics:
     """The metrics of N runs."""
     distance, alive = record.distance, record.alive
-    after = record.times[:, None] >= record.arrival - 1e-9  # times are rounded
+    since = record.times[:, None] - record.arrival
+    after = since >= -ROUNDED
     whole = after & alive[-1]
+    near = distance <= SETTLED
+    settled = alive[-1] & lasts(since, near)
     turn = np.full(alive.shape, np.nan) if record.turn is None else record.turn
     lowest = np.where(alive, record.tensions.min(axis=2), np.inf).min(axis=0)
     return Metrics(
         rmse=np.sqrt(np.square(distance).mean(axis=0)),
         largest=distance.max(axis=0),
         swing=_swing(record.load[..., :-1], whole),
-        settling=_settling(record.times, record.arrival, distance, after),
+        settling=np.where(settled, entry(since, near), since[-1]),
         effort=_rms(np.square(record.inputs).mean(axis=2), alive),
         tension=np.where(np.isfinite(lowest), lowest, 0.0),
-        settled=np.asarray(alive[-1] & (distance[-1] <= SETTLED), dtype=float),
+        settled=settled.astype(float),
         failed=np.asarray(~alive[-1], dtype=float),
         turn=_rms(np.square(turn), alive),
     )
@@ -119,13 +132,30 @@ def _swing(horizontal: Array, chosen: Mask) -> Array:
     return np.asarray(0.5 * np.linalg.norm(travel, axis=1))
 
 
-def _settling(times: Array, arrival: Array, distance: Array, after: Mask) -> Array:
-    """Time after arrival at which the distance was last above SETTLED [s], shape (N,)."""
-    away = after & (distance > SETTLED)
-    last = len(times) - 1 - away[::-1].argmax(axis=0)
-    period = times[1] - times[0] if len(times) > 1 else 0.0
-    settled = np.minimum(times[last] + period, times[-1]) - arrival
-    return np.where(away.any(axis=0), np.maximum(settled, 0.0), 0.0)
+def entry(since: Array, near: Mask) -> Array:
+    """When a run comes near its goal and stays there to the end.
+
+    Parameters
+    ----------
+    since
+        Ends of T control periods since the reference's arrival [s], shape (T, N).
+    near
+        Whether the run is near its goal then, shape (T, N).
+
+    Returns
+    -------
+    Array
+        End of the first period, not before arrival, from which on all are near [s], shape (N,);
+        infinite where the last one is not.
+    """
+    lasting = np.logical_and.accumulate(near[::-1])[::-1] & (since >= -ROUNDED)
+    found = np.take_along_axis(since, lasting.argmax(axis=0)[None], axis=0)[0]
+    return np.where(lasting[-1], np.maximum(found, 0.0), np.inf)
+
+
+def lasts(since: Array, near: Mask) -> Mask:
+    """Whether runs stay near their goals for the last `LASTING` or longer, as `entry`, (N,)."""
+    return np.asarray(entry(since, near) <= since[-1] - LASTING + ROUNDED)
 
 
 @dataclass(frozen=True)

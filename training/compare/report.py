@@ -1,8 +1,7 @@
 """The table and the files of a comparison, of cranes as of hands."""
 
-import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from rich.text import Text
 
 from ...models.files import write_text
 from ...models.types import Array
+from ..as_json import json_text, show_json
 from ..console import console
 from ..tables import table, write_csv
 from .contenders import BASE, Contender
@@ -62,7 +62,7 @@ class Comparison:
     """Name of the rig or hand."""
     thing: str
     """What is to follow its reference: "Load" or "Object"."""
-    units: str
+    units: Mapping[str, str]
     """Units of the metrics."""
     scenarios: Sequence[Any]
     """The N scenarios."""
@@ -115,6 +115,21 @@ class Comparison:
         }
 
 
+def report(comparison: Comparison, folder: Path, as_json: bool = False) -> None:
+    """Write the files, and print the table or, as JSON, the summary.
+
+    Raises
+    ------
+    OutputError
+        A file cannot be written.
+    """
+    write(comparison, folder)
+    if as_json:
+        show_json(summary(comparison))
+    else:
+        show(comparison, folder)
+
+
 def show(comparison: Comparison, folder: Path) -> None:
     """Print the table, what its words mean, and where the files are."""
     many, out = len(comparison.scenarios) > 1, console()
@@ -161,19 +176,28 @@ def write(comparison: Comparison, folder: Path) -> None:
         for i, scenario in enumerate(scenarios)
     )  # fmt: skip
     write_csv(folder / "scenarios.csv", ("scenario", *settings, "controller", *metrics), rows)
+    write_text(folder / "summary.json", json_text(summary(comparison)))
+
+
+def summary(comparison: Comparison) -> dict[str, Any]:
+    """Mean and interval of every metric of every contender, with units."""
+    runs = comparison.runs
     facts: dict[str, Any] = {
         comparison.kind: comparison.name,
-        "scenarios": len(scenarios),
+        "scenarios": len(comparison.scenarios),
+        "arrival_s": comparison.arrival,
         "units": comparison.units,
         "controllers": {
-            run.name: _plain(comparison.means[run.name])
+            run.name: comparison.means[run.name]
             | {name: count(run.metrics) for name, count in comparison.counts.items()}
             for run in runs
         },
+        "absent": [contender.name for contender in comparison.absent],
+        "residual": comparison.residual,
     }
     if comparison.relative:
-        facts[f"change of rmse against {BASE}"] = _plain(comparison.changes)
-    write_text(folder / "summary.json", json.dumps(facts, indent=2) + "\n")
+        facts[f"change of rmse against {BASE}"] = comparison.changes
+    return facts
 
 
 def _setting(value: Any) -> Any:
@@ -182,15 +206,7 @@ def _setting(value: Any) -> Any:
 
 
 def _finite(value: Any) -> Any:
-    """A metric for CSV and JSON, which know no NaN; None where there is no number."""
+    """A metric for CSV, which knows no NaN; None where there is no number."""
     if isinstance(value, str):
         return value
     return float(value) if np.isfinite(value) else None
-
-
-def _plain(values: Mapping[str, Estimate]) -> dict[str, Any]:
-    """Estimates for JSON."""
-    return {
-        name: {key: _finite(number) for key, number in asdict(value).items()}
-        for name, value in values.items()
-    }

@@ -1,25 +1,44 @@
-"""`flatrig analyse` and `solve` for cranes: what needs nothing but the description."""
+"""`flatrig analyse` and `solve` for cranes: what needs nothing but the description.
+
+Both end with status 1 and a line on stderr if the crane cannot make the move, and `solve` then
+writes no table unless it is told to.
+"""
+
+from typing import Any
 
 from ... import feedforward
 from ...models import Rig
 from ...models.errors import PathError
 from .. import options
+from ..as_json import show_json
 from ..console import console, warning
+from ..exits import refuse
 from ..tables import table
+from .crane_facts import (
+    feasibility_facts,
+    move_facts,
+    offset_facts,
+    shortest_facts,
+    structure_facts,
+)
+from .feasible import INFEASIBLE, look_at
 from .summary import RANGE, add_input, facts, point, range_cells, sample_times, show_verdict
 
 MOST_SAMPLES = 10_000_000
 """Samples of `solve` at most; more is taken for a slip of the finger."""
-FEASIBILITY_RATE = 500.0
-"""Samples per second at which `analyse` looks at a move [Hz], if it is not too long."""
-MOST_LOOKS = 20_000
-"""Samples of `analyse` at most."""
+WITHOUT_FRICTION = "without friction"
+"""Part of what is said of inputs: a description has no friction, so none is in them."""
 
 
-def show_analysis(command: options.Analyse) -> None:
+def show_analysis(command: options.Analyse) -> int:
     """Print the structure of the rig's equations and what the move asks of the rig."""
     rig, move = command.target()
-    analysis, out = feedforward.analyse(rig), console()
+    analysis = feedforward.analyse(rig)
+    if command.json:
+        reference = feedforward.from_move(move)
+        report = look_at(rig, reference)
+        show_json(_analysis_facts(command, analysis, report))
+        return refuse(INFEASIBLE, report.problems)
     flat = "flat" if analysis.flat else "not flat"
     structure = [
         ("differentiation index", f"{analysis.index}"),
@@ -27,21 +46,44 @@ def show_analysis(command: options.Analyse) -> None:
         ("degrees of freedom left", f"{analysis.degrees_of_freedom} ({flat})"),
         ("equations", f"{len(analysis.rows)} in {len(analysis.blocks)} blocks"),
     ]
+    out = console()
     out.print(facts(f"{rig.name}: structure", structure))
     if command.equations:
         _show_offsets(analysis)
     reference = feedforward.from_move(move)
-    report = feedforward.check(
-        rig, reference, rate=min(FEASIBILITY_RATE, MOST_LOOKS / reference.duration)
-    )
+    report = look_at(rig, reference)
     if report.motion is not None:
         _show_motion(report.motion, reference)
         _show_sizing(report)
-    for problem in report.problems:
-        out.print(f"problem: {problem}", soft_wrap=True)
-    show_verdict(report.feasible)
+    _show_answer(report)
     if command.shortest:
-        out.print(_shortest(rig, reference, command.margin), soft_wrap=True)
+        out.print(_shortest_words(rig, reference, command.margin), soft_wrap=True)
+    return refuse(INFEASIBLE, report.problems)
+
+
+def _analysis_facts(
+    command: options.Analyse, analysis: feedforward.Analysis, report: feedforward.Feasibility
+) -> dict[str, Any]:
+    """What `show_analysis` prints, for scripts."""
+    found = {
+        "rig": report.rig.name,
+        "structure": structure_facts(analysis),
+        "move": move_facts(report.reference),
+        **feasibility_facts(report),
+    }
+    if command.equations:
+        found["equations"] = offset_facts(analysis)
+    if command.shortest:
+        best = _shortest(report.rig, report.reference, command.margin)
+        found["shortest"] = shortest_facts(None if isinstance(best, PathError) else best)
+    return found
+
+
+def _show_answer(report: feedforward.Feasibility) -> None:
+    """Print everything that is wrong with the move, and the verdict."""
+    for problem in report.problems:
+        console().print(f"problem: {problem}", soft_wrap=True)
+    show_verdict(report.feasible, WITHOUT_FRICTION)
 
 
 def _show_offsets(analysis: feedforward.Analysis) -> None:
@@ -51,21 +93,26 @@ def _show_offsets(analysis: feedforward.Analysis) -> None:
         "d, up to which derivative an unknown is determined",
         "equation", "c", "unknown paired with it", "d", right=False,
     )  # fmt: skip
-    for equations, unknowns in analysis.blocks:
-        for i, j in zip(equations, unknowns, strict=True):
-            rows.add_row(
-                analysis.rows[i].name, str(analysis.equation_offsets[i]),
-                analysis.unknowns[j], str(analysis.unknown_offsets[j]),
-            )  # fmt: skip
+    for row in offset_facts(analysis):
+        rows.add_row(*map(str, row.values()))
     console().print(rows)
 
 
-def _shortest(rig: Rig, reference: feedforward.Reference, margin: float) -> str:
-    """What can be said about the shortest duration of a path."""
+def _shortest(
+    rig: Rig, reference: feedforward.Reference, margin: float
+) -> feedforward.Shortest | PathError:
+    """The shortest duration of a path, or why none is enough."""
     try:
-        best = feedforward.shortest_duration(rig, reference, margin=margin)
+        return feedforward.shortest_duration(rig, reference, margin=margin)
     except PathError as error:
-        return f"No duration is enough: {error}"
+        return error
+
+
+def _shortest_words(rig: Rig, reference: feedforward.Reference, margin: float) -> str:
+    """What can be said about the shortest duration of a path."""
+    best = _shortest(rig, reference, margin)
+    if isinstance(best, PathError):
+        return f"No duration is enough: {best}"
     return (
         f"The shortest duration for this path is {best.duration:.4g} s; in less, "
         f"{best.limited_by} is out of bounds at {best.when:.4g} s."
@@ -75,7 +122,8 @@ def _shortest(rig: Rig, reference: feedforward.Reference, margin: float) -> str:
 def _show_sizing(report: feedforward.Feasibility) -> None:
     """Print what the move asks of each drive (K 3.3)."""
     headings = "largest", "at [s]", "rms", "limit", "spare", "speed", "[rpm]", "power"
-    rows = table("What the drives need", "", *headings, "braking [W]")
+    title = f"What the drives need, {WITHOUT_FRICTION}"
+    rows = table(title, "", *headings, "braking [W]")
     for drive in report.sizing:
         turns = drive.rpm is not None
         numbers = (drive.largest, drive.when, drive.rms, drive.limit)
@@ -91,34 +139,38 @@ def _show_sizing(report: feedforward.Feasibility) -> None:
     console().print(rows)
 
 
-def write_solution(command: options.Solve) -> None:
-    """Solve for the inputs, print a summary and write the CSV."""
+def write_solution(command: options.Solve) -> int:
+    """Solve for the inputs, print a summary, and write the CSV if the rig can make the move."""
     rig, move = command.target()
     reference = feedforward.from_move(move)
-    motion = feedforward.solve(
-        rig, reference, sample_times(reference.duration, command.rate, MOST_SAMPLES)
-    )
-    if command.output:
+    times = sample_times(reference.duration, command.rate, MOST_SAMPLES)
+    report = look_at(rig, reference, command.rate)
+    hold = 1.0 / command.rate if command.hold else 0.0
+    try:
+        motion = feedforward.solve(rig, reference, times, hold)
+    except PathError as error:  # there is nothing to write
+        return refuse(INFEASIBLE, report.problems or (str(error),))
+    written = bool(command.output) and (report.feasible or command.force)
+    if written:
         motion.to_csv(command.output)
-    feasible = _show_motion(motion, reference)
-    out = console()
-    for slack in motion.slack:
-        out.print(f"slack: {slack}", soft_wrap=True)
-    show_verdict(feasible)
-    if command.output:
-        out.print(f"wrote {command.output}: {len(motion.times)} samples", soft_wrap=True)
+    _show_motion(motion, reference)
+    _show_answer(report)
+    if written:
+        console().print(f"wrote {command.output}: {len(motion.times)} samples", soft_wrap=True)
+    return refuse(INFEASIBLE, report.problems, force=command.force)
 
 
-def _show_motion(motion: feedforward.Motion, reference: feedforward.Reference) -> bool:
-    """Print the ranges of a motion's numbers; returns whether ropes and drives can do it."""
+def _show_motion(motion: feedforward.Motion, reference: feedforward.Reference) -> None:
+    """Print the ranges of a motion's numbers."""
     rig = motion.rig
     ends = f"{point(reference.start)} to {point(reference.goal)}"
     title = f"{rig.name}: {ends} m in {reference.duration:g} s, {len(motion.times)} samples"
+    if motion.hold:
+        title += f", each input held for {motion.hold:g} s"
     rows = table(title, "", *RANGE, "limit", "")
-    feasible = not motion.slack
     for drive, values in zip(rig.drives, motion.inputs.T, strict=True):
         label = f"input {drive.name} [{feedforward.driven_unit(rig, drive)}]"
-        feasible &= add_input(rows, label, values, drive.limit)
+        add_input(rows, label, values, drive.limit)
     for name, values in zip(rig.rope_names, motion.tensions.T, strict=True):
         note = "" if (values > 0).all() else warning("would have to push")
         rows.add_row(f"tension of {name} [N]", *range_cells(values), "> 0", note)
@@ -130,4 +182,3 @@ def _show_motion(motion: feedforward.Motion, reference: feedforward.Reference) -
         bounds = f"{rail.start:g} to {rail.end:g}"
         rows.add_row(f"{trolley.name} on {rail.name} [m]", *range_cells(values), bounds, "")
     console().print(rows)
-    return feasible

@@ -4,16 +4,31 @@
     flatrig solve two-finger --goal 0.3 -o motion.csv
 
 Forces inside the friction cones keep `MARGIN` of the friction and press with `PRESS` of the weight.
+As for cranes, a move that the hand cannot make ends with status 1 and a line on stderr.
 """
+
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...feedforward import rolling
+from ...feedforward.holds import means_of, within_holds
 from ...models import Hand, HandMove, Plate
 from ...models.errors import OptionError, PathError
 from .. import options
+from ..as_json import show_json
 from ..console import console, warning
+from ..exits import refuse
 from ..tables import table, write_csv
+from .feasible import INFEASIBLE
+from .hand_facts import (
+    exactness_facts,
+    finger_facts,
+    hand_move_facts,
+    hand_structure_facts,
+    motor_facts,
+    too_weak,
+)
 from .summary import RANGE, add_input, facts, point, range_cells, sample_times, show_verdict
 
 MARGIN = 0.2
@@ -32,44 +47,112 @@ def angles(move: HandMove) -> str:
     return f"{ends} rad in {move.duration:g} s, {move.turning}"
 
 
-def show_analysis(command: options.Analyse) -> None:
-    """Print K's table 2.1 for the hand, and what the move asks of it."""
-    hand, move = command.hand_target()
-    _show_structure(hand)
+@dataclass
+class Found:
+    """What is known of a move, as far as it can be made."""
+
+    hand: Hand
+    move: HandMove
+    plan: rolling.HandPlan | None = None
+    motion: rolling.HandMotion | None = None
+    least: rolling.ContactForces | None = None
+    """Forces of least norm."""
+    forces: rolling.ContactForces | None = None
+    """Forces in the cones; None if there are none, or if nothing is there to look for them."""
+    inputs: rolling.JointForces | None = None
+    """What motors give with them."""
+    problems: list[str] = field(default_factory=list)
+    """What is wrong, one sentence each."""
+    note: str = ""
+    """Why it is not known whether the move can be made."""
+
+    @property
+    def feasible(self) -> bool | None:
+        """Whether the move can be made; None if that is not known."""
+        return False if self.problems else True if self.inputs else None
+
+    def grip(self, motion: rolling.HandMotion) -> None:
+        """Look for forces in the cones, and for what motors give with them."""
+        try:
+            self.forces = rolling.in_cones(motion, MARGIN, PRESS)
+        except PathError as error:
+            self.problems.append(str(error))
+        except OptionError as error:  # no solver
+            self.note = str(error)
+        else:
+            self.inputs = rolling.joint_forces(motion, self.forces)
+            self.problems += too_weak(self.inputs)
+
+
+def _look_at(hand: Hand, move: HandMove) -> Found:
+    """Plan a move and look for its forces, as far as that goes."""
+    found = Found(hand, move)
     try:
-        plan = rolling.plan_hand(hand, move)
-        motion = plan(np.linspace(0.0, move.duration, SAMPLES))
-        _show_motion(motion)
-        _show_exactness(plan, motion)
-        _show_forces(
-            "Contact forces of least norm (K examples 7 and 8)", rolling.least_norm(motion)
-        )
+        found.plan = rolling.plan_hand(hand, move)
+        found.motion = found.plan(np.linspace(0.0, move.duration, SAMPLES))
+        found.least = rolling.least_norm(found.motion)
     except PathError as error:
-        _refuse(error)
-        return
-    forces = _in_cones(motion)
-    if forces is not None:
+        found.problems.append(str(error))
+        return found
+    found.grip(found.motion)
+    return found
+
+
+def show_analysis(command: options.Analyse) -> int:
+    """Print K's table 2.1 for the hand, and what the move asks of it."""
+    found = _look_at(*command.hand_target())
+    if command.json:
+        _show_facts(found)
+    else:
+        _show_tables(found)
+    return refuse(INFEASIBLE, found.problems)
+
+
+def _show_facts(found: Found) -> None:
+    """Print what was found as JSON."""
+    motion, plan = found.motion, found.plan
+    show_json(
+        {
+            "hand": found.hand.name,
+            "structure": hand_structure_facts(found.hand),
+            "move": hand_move_facts(found.move),
+            "feasible": found.feasible,
+            "problems": found.problems,
+            "exactness": exactness_facts(plan, motion) if plan and motion else None,
+            "least_norm": finger_facts(found.least) if found.least else None,
+            "in_cones": finger_facts(found.forces) if found.forces else None,
+            "motors": motor_facts(found.inputs) if found.inputs else None,
+        }
+    )
+
+
+def _show_tables(found: Found) -> None:
+    """Print what was found."""
+    _show_structure(found.hand)
+    if found.motion is not None:
+        _show_motion(found.motion)
+        if found.plan is not None:
+            _show_exactness(found.plan, found.motion)
+    if found.least is not None:
+        _show_forces("Contact forces of least norm (K examples 7 and 8)", found.least)
+    if found.forces is not None:
         _show_forces(
             f"Contact forces in the cones, {MARGIN:.0%} of the friction left and every finger "
-            f"pressing with {PRESS:.0%} of the weight at least", forces,
+            f"pressing with {PRESS:.0%} of the weight at least", found.forces,
         )  # fmt: skip
-        show_verdict(_show_motors(rolling.joint_forces(motion, forces)))
+    _show_answer(found)
 
 
-def _in_cones(motion: rolling.HandMotion) -> rolling.ContactForces | None:
-    """Forces inside the friction cones; None after saying why there are none."""
-    try:
-        return rolling.in_cones(motion, MARGIN, PRESS)
-    except PathError as error:
-        _refuse(error)
-    except OptionError as error:  # no solver
-        console().print(f"note: {error}", soft_wrap=True)
-    return None
-
-
-def _refuse(error: PathError) -> None:
-    console().print(f"problem: {error}", soft_wrap=True)
-    show_verdict(False)
+def _show_answer(found: Found) -> None:
+    """Print what motors give, everything that is wrong with the move, and the verdict."""
+    if found.inputs is not None:
+        _show_motors(found.inputs)
+    for problem in found.problems:
+        console().print(f"problem: {problem}", soft_wrap=True)
+    if found.note:
+        console().print(f"note: {found.note}", soft_wrap=True)
+    if found.feasible is not None:
+        show_verdict(found.feasible)
 
 
 def _show_structure(hand: Hand) -> None:
@@ -86,16 +169,16 @@ def _show_structure(hand: Hand) -> None:
 
 def _show_exactness(plan: rolling.HandPlan, motion: rolling.HandMotion) -> None:
     """Print how well constraints hold, and the driftless system integrated again."""
-    error = rolling.residuals(motion)
-    numbers = {
-        "contacts off a surface (K 2.3 to 2.5) [m]": error.surface,
-        "normals not opposite (K 2.6)": error.tangency,
-        "fingers off their slides [m]": error.slides,
-        "slip, rate of (K 2.8) [m/s]": error.rolling,
-        "error of integrals, at most [rad]": motion.quadrature_error,
-        "driftless system integrated again, off by [rad]": rolling.replay(plan).orientation,
-    }
-    rows = [(label, f"{number:.1e}") for label, number in numbers.items()]
+    labels = (
+        "contacts off a surface (K 2.3 to 2.5) [m]",
+        "normals not opposite (K 2.6)",
+        "fingers off their slides [m]",
+        "slip, rate of (K 2.8) [m/s]",
+        "error of integrals, at most [rad]",
+        "driftless system integrated again, off by [rad]",
+    )
+    numbers = exactness_facts(plan, motion).values()
+    rows = [(label, f"{number:.1e}") for label, number in zip(labels, numbers, strict=True)]
     console().print(facts("How exact the plan is", rows, right=True))
 
 
@@ -113,16 +196,14 @@ def _show_forces(heading: str, forces: rolling.ContactForces) -> None:
         console().print(f"outside the cones: {forces.outside}", soft_wrap=True)
 
 
-def _show_motors(inputs: rolling.JointForces) -> bool:
-    """Print what the motors give; returns whether they can."""
+def _show_motors(inputs: rolling.JointForces) -> None:
+    """Print what the motors give."""
     rows = table("Motors, with the forces in the cones", "", *RANGE, "limit", "")
-    feasible = True
     for name, unit, values, limit in zip(
         inputs.names, inputs.units, inputs.values.T, inputs.limits, strict=True
     ):
-        feasible &= add_input(rows, f"{name} [{unit}]", values, limit)
+        add_input(rows, f"{name} [{unit}]", values, limit)
     console().print(rows)
-    return feasible
 
 
 def _show_motion(motion: rolling.HandMotion) -> None:
@@ -151,28 +232,43 @@ def _show_motion(motion: rolling.HandMotion) -> None:
         out.print(f"note: {note}", soft_wrap=True)
 
 
-def write_solution(command: options.Solve) -> None:
+def write_solution(command: options.Solve) -> int:
     """Plan the motion, print a summary, and write it as CSV with the forces that there are."""
     hand, move = command.hand_target()
-    motion = rolling.plan_hand(hand, move)(sample_times(move.duration, command.rate, MOST_SAMPLES))
+    times = sample_times(move.duration, command.rate, MOST_SAMPLES)
+    hold = 1.0 / command.rate if command.hold else 0.0
+    found = Found(hand, move)
+    try:
+        plan = rolling.plan_hand(hand, move)
+        motion = plan(times)
+        within = plan(within_holds(times, hold)) if hold else motion
+    except PathError as error:  # there is nothing to write
+        return refuse(INFEASIBLE, [str(error)])
+    found.grip(within)
+    written = bool(command.output) and (not found.problems or command.force)
+    if written:
+        _write(command.output, motion, found, bool(hold))
     _show_motion(motion)
-    out = console()
-    out.print(f"Error of all integrals: at most {motion.quadrature_error:.1e} rad")
-    forces = _in_cones(motion)
-    if forces is not None:
-        show_verdict(_show_motors(rolling.joint_forces(motion, forces)))
-    if command.output:
-        if forces is None:
-            motion.to_csv(command.output)
-        else:
-            _write(forces, command.output)
-        out.print(f"wrote {command.output}: {len(motion.times)} samples", soft_wrap=True)
+    console().print(f"Error of all integrals: at most {motion.quadrature_error:.1e} rad")
+    _show_answer(found)
+    if written:
+        console().print(f"wrote {command.output}: {len(motion.times)} samples", soft_wrap=True)
+    return refuse(INFEASIBLE, found.problems, force=command.force)
 
 
-def _write(forces: rolling.ContactForces, path: str) -> None:
-    """Write motion, contact forces and motors, a row an instant."""
-    motion, inputs = forces.motion, rolling.joint_forces(forces.motion, forces)
+def _write(path: str, motion: rolling.HandMotion, found: Found, held: bool) -> None:
+    """Write the motion, a row an instant, with contact forces and motors if they are known.
+
+    Those are means over the time until the next row if a controller holds them.
+    """
+    if found.forces is None or found.inputs is None:
+        motion.to_csv(path)
+        return
+    forces, inputs = found.forces.values.reshape(len(found.forces.values), -1), found.inputs.values
     names = [f"{name}.force.{axis}" for name in motion.hand.finger_names for axis in "xyz"]
-    columns = (motion.table, forces.values.reshape(len(motion.times), -1), inputs.values)
-    header = (*motion.column_names, *names, *inputs.names)
-    write_csv(path, header, np.hstack(columns), ".17g")
+    names += found.inputs.names
+    if held:
+        forces, inputs = means_of(forces), means_of(inputs)
+        names = [f"{name}.held" for name in names]
+    columns = np.hstack((motion.table, forces, inputs))
+    write_csv(path, (*motion.column_names, *names), columns, ".17g")

@@ -11,6 +11,8 @@ from ...models.errors import OptionError
 from ...models.files import STANDARD_OUTPUT, replacing
 from .. import options
 from ..console import console
+from ..exits import DONE, refuse
+from .feasible import INFEASIBLE, problems_of
 
 REST = 1.0
 """How long the film goes on after arrival [s]."""
@@ -18,7 +20,7 @@ STILLS = 3
 """Pictures in a strip, from start to arrival."""
 
 
-def main(command: options.Render) -> None:
+def main(command: options.Render) -> int:
     """Film the move as exact feedforward makes it in MuJoCo."""
     rig, move = command.target()
     for name in ("width", "height", "fps"):
@@ -26,6 +28,9 @@ def main(command: options.Render) -> None:
     path = command.output or f"results/{command.label()}.gif"
     if path != STANDARD_OUTPUT and not path.lower().endswith((".gif", ".mp4", ".png")):
         raise OptionError(f"--output is {path}, its ending must be .gif, .mp4 or .png")
+    status = refuse(INFEASIBLE, problems_of(rig, move), force=command.force)
+    if status:
+        return status
     from ...models.looks import render
     from ...models.mjcf import rig_model
     from ..simulate.open_loop import open_loop, stand_in
@@ -43,11 +48,12 @@ def main(command: options.Render) -> None:
         with replacing(path) as beside:
             Image.fromarray(strip).save(beside)
         out.print(f"wrote {path}: {STILLS} pictures side by side", soft_wrap=True)
-        return
+        return DONE
     total = int(run.times[-1] * fps + 1e-9) + 1  # a last picture must not be lost to rounding
     progress = track(images, f"Filming {rig.name}", total, console=out, transient=True)
     render.save_animation(path, progress, fps)
     out.print(f"wrote {path}: {total} pictures, {run.times[-1]:g} s", soft_wrap=True)
+    return DONE
 
 
 def write_scenes(command: options.Scenes) -> None:

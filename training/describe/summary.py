@@ -1,5 +1,6 @@
 """What summaries of a move have in common, of a crane as of a hand."""
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -12,12 +13,17 @@ from ..console import console, warning
 from ..options import check_number
 from ..tables import table
 
+ROUNDED = 1e-12
+"""Share by which a whole number of periods may be too large through rounding."""
 RANGE = ("start", "end", "lowest", "highest")
 """Headings of the cells that `range_cells` makes."""
 
 
 def sample_times(duration: float, rate: float, most: int) -> Array:
-    """Instants from 0 to the end of a path [s], both ends included, shape (N,).
+    """Instants from 0 to the end of a path [s], shape (N,), all one period apart.
+
+    The last one is the first at which the goal is reached, to rounding: where the duration is not
+    a whole number of periods it lies up to one of them beyond, where the path is at rest.
 
     Parameters
     ----------
@@ -39,11 +45,8 @@ def sample_times(duration: float, rate: float, most: int) -> Array:
             f"--rate is {rate:g} Hz, which makes {duration * rate:.3g} samples; "
             f"it must be <= {most / duration:g} Hz"
         )
-    # The last whole period must not be lost to rounding, nor the end be there twice.
-    times = np.arange(int(duration * rate * (1 + 1e-12)) + 1) / rate
-    if duration - times[-1] > 1e-9 * duration:
-        times = np.append(times, duration)
-    return times
+    periods = math.ceil(duration * rate * (1.0 - ROUNDED))
+    return np.arange(periods + 1) / rate
 
 
 def facts(title: str, rows: Iterable[tuple[str, ...]], *, right: bool = False) -> Table:
@@ -73,6 +76,9 @@ def point(values: Iterable[float], digits: int = 6) -> str:
     return f"({', '.join(f'{value:.{digits}g}' for value in values)})"
 
 
-def show_verdict(feasible: bool) -> None:
-    """Print whether a move can be made."""
-    console().print("The move is feasible." if feasible else warning("The move is not feasible."))
+def show_verdict(feasible: bool, condition: str = "") -> None:
+    """Print whether a move can be made, and on which condition that is said."""
+    condition = f" {condition}" if condition else ""
+    console().print(
+        f"The move is feasible{condition}." if feasible else warning("The move is not feasible.")
+    )

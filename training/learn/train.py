@@ -16,11 +16,13 @@ from ...models import dumps
 from ...models.errors import OptionError
 from .. import options
 from ..console import console
+from ..describe.feasible import INFEASIBLE, problems_of
+from ..exits import DONE, refuse
 from .run_folder import make_run_folder, read_config, write_config
 from .settings import Settings
 
 
-def main(command: options.Train) -> None:
+def main(command: options.Train) -> int:
     """Train, with a result folder."""
     check(command)
     check_extra()
@@ -35,6 +37,8 @@ def main(command: options.Train) -> None:
     elif command.minutes is None and command.steps is None:
         command = replace(command, minutes=options.MINUTES)
     rig, move = command.target()
+    if status := refuse(INFEASIBLE, problems_of(rig, move)):
+        return status
     from .ppo import Training  # loads torch
 
     training = Training(rig, move, command, settings, folder, console())
@@ -42,6 +46,7 @@ def main(command: options.Train) -> None:
         make_run_folder(folder)
     write_config(folder, command, settings, dumps(rig, move), config, training.steps)
     training.run()
+    return DONE
 
 
 def check(command: options.Train) -> None:
