@@ -6,8 +6,8 @@
     flatrig compare overhead
 
 A mistake gets one line on stderr and exit status 2; where the answer is no, as for a move that the
-crane cannot make, the line says why and the status is 1 (`exits`).  With `--output -` the table goes
-to stdout, and all that is told about it to stderr.
+crane cannot make, the line says why and the status is 1 (`exits`).  With `--output -` the table
+goes to stdout, and all that is told about it to stderr.
 """
 
 import contextlib

@@ -147,7 +147,7 @@ def write_solution(command: options.Solve) -> int:
     report = look_at(rig, reference, command.rate)
     hold = 1.0 / command.rate if command.hold else 0.0
     try:
-        motion = feedforward.solve(rig, reference, times, hold)
+        motion = feedforward.solve(rig, reference, times, hold=hold)
     except PathError as error:  # there is nothing to write
         return refuse(INFEASIBLE, report.problems or (str(error),))
     written = bool(command.output) and (report.feasible or command.force)
