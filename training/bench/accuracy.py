@@ -124,7 +124,8 @@ def main(command: options.Accuracy) -> int:
         show_json({"moves": landings, "massless_pulleys": stand_ins})
     else:
         console().print(massless_table(stand_ins))
-    missed = [row.move for row in (*landings, *stand_ins) if not row.reached]
+    missed = [row.move for row in landings if not row.reached]
+    missed += [f"{row.move}, {row.mass_kg:g} kg" for row in stand_ins if not row.reached]
     return refuse("a goal is missed", missed)
 
 
