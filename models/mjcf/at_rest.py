@@ -49,10 +49,11 @@ def _holding_inputs(model: mujoco.MjModel, tendons: list[str]) -> tuple[Array, A
     effect = np.zeros((model.nv, model.nu + len(tendons)))
     jacobian = tendon_jacobian(model, data)
     for index in range(model.nu):
-        target = model.actuator_trnid[index, 0]
-        column = np.eye(model.nv)[model.jnt_dofadr[target]]
+        target = model.actuator_trnid[index, 0]  # among the tendons or among the joints
         if model.actuator_trntype[index] == mujoco.mjtTrn.mjTRN_TENDON:
             column = jacobian[target]
+        else:
+            column = np.eye(model.nv)[model.jnt_dofadr[target]]
         effect[:, index] = model.actuator_gear[index, 0] * column
     for column, name in enumerate(tendons, start=model.nu):
         effect[:, column] = -jacobian[model.tendon(name).id]
