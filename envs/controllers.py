@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 
 from ..models.errors import OptionError
 from ..models.types import Array
-from ..models.values import bounded
+from ..models.values import bounded, reals, shown
 from .episodes import AnyTask
 from .gains import Gains, Track
 from .laws import AnyEnv, Law, laws_of, refuse_below, task_of, wrap
@@ -123,7 +123,7 @@ def PD(
     task = task_of(env)
     refuse_below(env, "PD")
     if track not in ("moving", "set point"):
-        raise OptionError(f'track is {track!r}, it must be "moving" or "set point"')
+        raise OptionError(f'track is {shown(track)}, it must be "moving" or "set point"')
     own = {
         name: _gain(task, name, value)
         for name, value in (("stiffness", stiffness), ("damping", damping))
@@ -166,13 +166,10 @@ def Residual(env: AnyEnv, fraction: float = 0.2) -> Any:
 
 def _gain(task: AnyTask, name: str, value: ArrayLike) -> Array:
     count = len(task.limits)
-    try:
-        gains = np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
-        gains = np.array(np.nan)
+    gains = reals(name, value, error=OptionError)
     if gains.shape not in ((), (count,)) or not (np.isfinite(gains) & (gains >= 0)).all():
         raise OptionError(
-            f"{name} is {value!r}, it must be {count} numbers >= 0, one for each of "
+            f"{name} is {shown(value)}, it must be {count} numbers >= 0, one for each of "
             f"{', '.join(task.action_names)}"
         )
     return np.broadcast_to(gains, (count,)).copy()

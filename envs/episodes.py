@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..models.errors import OptionError
 from ..models.types import Array, Mask
-from ..models.values import bounded
+from ..models.values import bounded, shown
 from .common import NOT_FINITE, Ids, Steps
 from .gains import Gains, Track
 from .option_checks import actions_of, substeps_of
@@ -83,7 +83,9 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         if nthread is not None:
             bounded("nthread", nthread, least=1, whole=True)
         if sensors not in SENSORS:
-            raise OptionError(f"sensors is {sensors!r}, it must be one of {', '.join(SENSORS)}")
+            raise OptionError(
+                f"sensors is {shown(sensors)}, it must be one of {', '.join(SENSORS)}"
+            )
         self.num, self.sensors = int(num), sensors
         self.all = np.arange(self.num, dtype=np.int32)
         substeps = substeps_of(rate, timestep)
@@ -106,6 +108,7 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         self._commands = Commands(self._reward.change)
         self._scale = np.tile(self.limits, (num, 1))
         self._one = np.ones(num, dtype=np.int64)
+        self._names = self.action_names
 
     @property
     def observation_names(self) -> tuple[str, ...]:
@@ -188,9 +191,9 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         Raises
         ------
         OptionError
-            Actions have another shape or are not numbers, or an episode has not begun.
+            Actions have another shape or are not finite numbers, or an episode has not begun.
         """
-        wanted = actions_of(actions, self._scale.shape)
+        wanted = actions_of(actions, self._scale.shape, self._names, lambda: self._not_in(ids))
         if self._new and (ids is None or not self._new.isdisjoint(ids.tolist())):
             raise OptionError("no episode has begun, call reset before step")
         reward = self._advance(wanted, None) if ids is None else self._advance_some(wanted, ids)
@@ -245,10 +248,16 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         self.encoders.step(self.rows.parts["drives"])
         return self._reward.of(self.plant.outputs, self.rows.parts["outputs"])
 
+    def _not_in(self, ids: Ids | None) -> Mask:
+        """Which simulations are none of these, shape (n,); None stands for all."""
+        idle = np.full(self.num, ids is not None)
+        if ids is not None:
+            idle[ids] = False
+        return idle
+
     def _advance_some(self, actions: Array, ids: Ids) -> Array:
         """One control period of some simulations; the memory of the others is put back."""
-        idle = np.ones(self.num, dtype=bool)
-        idle[ids] = False
+        idle = self._not_in(ids)
         last = self._commands.last
         memory = (self._steps, last, self._reward.terms, *self.encoders.memory)
         before = [values[idle] for values in memory]

@@ -61,7 +61,8 @@ class Controller(gym.Wrapper[Any, Any, Any, Any]):
     ) -> None:
         super().__init__(env)
         self.law, self._options = law, dict(options or {})
-        self._shape = task_of(env).limits.shape
+        task = task_of(env)
+        self._expected = task.limits.shape, task.action_names
 
     @property
     def spec(self) -> EnvSpec | None:  # type: ignore[override]
@@ -70,7 +71,7 @@ class Controller(gym.Wrapper[Any, Any, Any, Any]):
 
     def step(self, action: ArrayLike) -> Any:
         """Hand down what the law makes of the action."""
-        return self.env.step(self.law.apply(actions_of(action, self._shape)[None])[0])
+        return self.env.step(self.law.apply(actions_of(action, *self._expected)[None])[0])
 
 
 class VectorController(VectorWrapper[Any, Any, Any, Any, Any]):
@@ -82,7 +83,8 @@ class VectorController(VectorWrapper[Any, Any, Any, Any, Any]):
         super().__init__(env)
         self.law, self._options = law, dict(options or {})
         task = task_of(env)
-        self._shape = (task.num, *task.limits.shape)
+        base: Any = env.unwrapped
+        self._expected = (task.num, *task.limits.shape), task.action_names, lambda: base.over
 
     @property
     def spec(self) -> EnvSpec | None:  # type: ignore[override]
@@ -91,7 +93,7 @@ class VectorController(VectorWrapper[Any, Any, Any, Any, Any]):
 
     def step(self, actions: ArrayLike) -> Any:
         """Hand down what the law makes of the actions."""
-        return self.env.step(self.law.apply(actions_of(actions, self._shape)))
+        return self.env.step(self.law.apply(actions_of(actions, *self._expected)))
 
 
 def _spec_with(below: EnvSpec | None, law: Law, options: dict[str, Any]) -> EnvSpec | None:

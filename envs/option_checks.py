@@ -1,14 +1,18 @@
 """Checks of what users give to environments, controllers and disturbances."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..models.errors import OptionError, did_you_mean
-from ..models.types import Array
-from ..models.values import bounded
+from ..models.types import Array, Mask
+from ..models.values import bounded, reals, shown
+
+NAMED = 3
+"""Wrong actions that a message names."""
 
 
 def seed_of(value: object) -> int | None:
@@ -25,21 +29,53 @@ def seed_of(value: object) -> int | None:
     return int(value)  # type: ignore[call-overload, no-any-return]
 
 
-def actions_of(value: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Actions as an array of this shape.
+def actions_of(
+    value: ArrayLike,
+    shape: tuple[int, ...],
+    names: Sequence[str],
+    resting: Callable[[], Mask] | None = None,
+) -> Array:
+    """Actions as an array of finite numbers.
+
+    Parameters
+    ----------
+    value
+        What somebody gave.
+    shape
+        Which it must have, (actions,) or (n, actions).
+    names
+        Of the actions.
+    resting
+        Tells which of the n simulations take no action now, (n,); theirs may be anything.
 
     Raises
     ------
     OptionError
-        They have another shape or are not numbers.
+        They have another shape, or one is not a finite number; says in which row and which.
     """
-    try:
-        actions = np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
-        raise OptionError(f"an action must be numbers of shape {shape}, not {value!r}") from None
+    actions = reals("an action", value, error=OptionError)
     if actions.shape != shape:
-        raise OptionError(f"an action has shape {actions.shape}, it must have shape {shape}")
+        rows = ", a row for each simulation" if len(shape) > 1 else ""
+        raise OptionError(f"an action has shape {actions.shape}, it must have shape {shape}{rows}")
+    flat = actions.ravel()
+    if not math.isfinite(flat.dot(flat)):  # far cheaper than to look at each, every step
+        wrong = ~np.isfinite(actions)
+        if resting is not None:
+            wrong[resting()] = False
+        _refuse(actions, wrong, names)
     return actions
+
+
+def _refuse(actions: Array, wrong: Mask, names: Sequence[str]) -> None:
+    """Name the actions that are `wrong`, if there are any."""
+    places = np.argwhere(wrong).tolist()
+    said = []
+    for *row, column in places[:NAMED]:
+        where = f"row {row[0]}, action" if row else "action"
+        said.append(f"{where} {column} ({names[column]}) is {actions[(*row, column)]:g}")
+    if said:
+        more = f" and {len(places) - NAMED} more" if len(places) > NAMED else ""
+        raise OptionError(f"actions must be finite: {'; '.join(said)}{more}")
 
 
 def substeps_of(rate: float, timestep: float) -> int:
@@ -74,7 +110,7 @@ def check_options(options: dict[str, Any] | None, known: tuple[str, ...]) -> dic
     if options is None:
         return {}
     if not isinstance(options, Mapping):
-        raise OptionError(f"options of reset are {options!r}, they must be a dictionary")
+        raise OptionError(f"options of reset are {shown(options)}, they must be a dictionary")
     for name in options:
         if name not in known:
             raise OptionError(f"reset has no option {name!r}{did_you_mean(str(name), known)}")

@@ -21,6 +21,7 @@ import numpy as np
 
 from ..models.errors import FlatrigError, OptionError
 from ..models.types import Array
+from ..models.values import shown
 
 AHEAD = (0.1, 0.2, 0.4)
 """How far ahead the preview looks [s]."""
@@ -157,7 +158,7 @@ class Planner(ABC, Generic[PlanT]):
             self._sampler = cast("Sampler", option)
         else:
             raise OptionError(
-                f"reference is {option!r}, it must be {self.kinds}, a function of a random "
+                f"reference is {shown(option)}, it must be {self.kinds}, a function of a random "
                 'generator, "random" or None'
             )
 

@@ -33,7 +33,7 @@ from numpy.typing import ArrayLike
 
 from ..models.errors import OptionError, did_you_mean
 from ..models.types import Array
-from ..models.values import bounded
+from ..models.values import bounded, shown
 from .common import AnyScenario
 
 
@@ -54,8 +54,10 @@ class PlantScenario:
 
     def __post_init__(self) -> None:
         for item in fields(self):
-            if "rule" in item.metadata:
-                bounded(f"scenario: {item.name}", getattr(self, item.name), **item.metadata["rule"])
+            rule = item.metadata.get("rule")
+            if rule is not None:
+                plain = bounded(f"scenario: {item.name}", getattr(self, item.name), **rule)
+                object.__setattr__(self, item.name, int(plain) if rule.get("whole") else plain)
 
     def disturb(self, plant: Any, sim: int) -> None:
         """Change simulation `sim` of a plant at the start of an episode; a hook of subclasses."""
@@ -85,10 +87,10 @@ class Ranges(ABC, Generic[ScenarioT]):
             name, value, rule = item.name, getattr(self, item.name), rules[item.name]
             label = f"disturbances: {name}"
             if name in self.single:
-                bounded(label, value, **rule)
+                object.__setattr__(self, name, bounded(label, value, **rule))
                 continue
             if not isinstance(value, tuple | list) or len(value) != 2:
-                raise OptionError(f"{label} is {value!r}, it must be (low, high)")
+                raise OptionError(f"{label} is {shown(value)}, it must be (low, high)")
             low, high = (bounded(label, end, **rule) for end in value)
             if not low <= high:
                 raise OptionError(f"{label} is ({low:g}, {high:g}), low must not exceed high")
@@ -123,7 +125,7 @@ class Ranges(ABC, Generic[ScenarioT]):
                     raise OptionError(f"there is no disturbance {name!r}{near}")
             return cls(**option)
         raise OptionError(
-            f'disturbances is {option!r}, it must be None, "standard", ranges by name or '
+            f'disturbances is {shown(option)}, it must be None, "standard", ranges by name or '
             f"{cls.__name__}"
         )
 
@@ -137,7 +139,7 @@ class Ranges(ABC, Generic[ScenarioT]):
         """
         if scenario is not None and not isinstance(scenario, self.scenario_type):
             raise OptionError(
-                f"scenario is {scenario!r}, it must be a {self.scenario_type.__name__}"
+                f"scenario is {shown(scenario)}, it must be a {self.scenario_type.__name__}"
             )
 
     @property

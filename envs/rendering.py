@@ -6,6 +6,7 @@ import mujoco
 from numpy.typing import NDArray
 
 from ..models.errors import OptionError
+from ..models.values import shown
 
 MODES = ("rgb_array", "human")
 """Pictures as arrays, or a window."""
@@ -53,7 +54,7 @@ def check_mode(mode: str | None, known: tuple[str, ...] = MODES) -> str | None:
         There is no such mode.
     """
     if mode not in (None, *known):
-        raise OptionError(f"render_mode is {mode!r}, it must be {' or '.join(known)}, or None")
+        raise OptionError(f"render_mode is {shown(mode)}, it must be {' or '.join(known)}, or None")
     return mode
 
 

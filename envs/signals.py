@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from ..models.errors import OptionError
 from ..models.types import Array
 from .common import LONGEST_DELAY, AnyScenario, Ids, Steps
 from .plans import Layout, Plan
@@ -120,19 +119,10 @@ class Commands:
         self._late = bool(self._periods.any())
 
     def send(self, actions: Array, step: Steps) -> Array:
-        """Take the actions of a step, return the commands that act in it, each (n, drives).
-
-        Raises
-        ------
-        OptionError
-            An action is not a number.
-        """
+        """Take the finite actions of a step, return the commands that act in it, (n, drives)."""
         clipped = self._clipped
         np.maximum(actions, self._lowest, out=clipped)
         np.minimum(clipped, self._highest, out=clipped)
-        lowest = clipped.argmin()  # the first that is not a number, if there is one
-        if not clipped.item(lowest) >= -1.0:
-            raise OptionError("an action is not a number, actions must be finite")
         np.subtract(clipped, self.last, self.change)
         self.last[...] = clipped
         if not self._late:

@@ -69,6 +69,7 @@ class TaskEnv(TaskFace[TaskT], gym.Env[Any, Any]):
         self._show(task, render_mode, MODES)
         self.observation_space = observation_space(task.observation_names)
         self.action_space = action_space(task.action_names)
+        self._expected = task.limits.shape, task.action_names
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -87,7 +88,7 @@ class TaskEnv(TaskFace[TaskT], gym.Env[Any, Any]):
 
     def step(self, action: ArrayLike) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Hold inputs, `action` times their limits, over one control period."""
-        outcome = self.task.step(actions_of(action, self.task.limits.shape)[None])
+        outcome = self.task.step(actions_of(action, *self._expected)[None])
         if self.render_mode == "human":
             self.render()
         return (

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..models.errors import OptionError
 from ..models.types import Array, Mask
+from ..models.values import shown
 from .common import Ids
 from .option_checks import check_options, seed_of
 from .spaces import action_space, observation_space
@@ -47,7 +48,8 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._generators = [seeding.np_random()[0] for _ in range(num_envs)]
-        self._over: Mask = np.zeros(num_envs, dtype=bool)
+        self.over: Mask = np.zeros(num_envs, dtype=bool)
+        """Whose episodes are over, so that the next step begins new ones, shape (n,)."""
 
     def reset(
         self,
@@ -65,8 +67,8 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
         options = check_options(options, OPTIONS)
         mask = options.get("reset_mask")
         chosen = np.ones(self.num_envs, dtype=bool) if mask is None else np.asarray(mask)
-        if chosen.shape != self._over.shape or chosen.dtype != bool:
-            raise OptionError(f"reset_mask is {mask!r}, it must be {self.num_envs} booleans")
+        if chosen.shape != self.over.shape or chosen.dtype != bool:
+            raise OptionError(f"reset_mask is {shown(mask)}, it must be {self.num_envs} booleans")
         prescribed = [self._each(name, options.get(name)) for name in OPTIONS[:2]]
         seeds = self._seeds(seed)
         ids = np.flatnonzero(chosen).astype(np.int32)
@@ -83,12 +85,12 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
         """Hold inputs, `actions` (n, drives) times their limits, over one control period."""
         task = self.task
         ids = None
-        if self._over.any():
-            ids = np.flatnonzero(~self._over).astype(np.int32)
+        if self.over.any():
+            ids = np.flatnonzero(~self.over).astype(np.int32)
         outcome = task.step(actions, ids)
         if ids is not None:
-            self._begin(np.flatnonzero(self._over).astype(np.int32))
-        self._over = outcome.terminated | outcome.truncated
+            self._begin(np.flatnonzero(self.over).astype(np.int32))
+        self.over = outcome.terminated | outcome.truncated
         info = task.info()
         if ids is not None:
             info["scenario"] = list(task.scenarios)
@@ -118,7 +120,7 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
             entries = [None] * self.num_envs if values is None else list(values)
         except TypeError:
             raise OptionError(
-                f"{name} is {values!r}, it must be one for each of the {self.what}"
+                f"{name} is {shown(values)}, it must be one for each of the {self.what}"
             ) from None
         if len(entries) != self.num_envs:
             raise OptionError(f"{name} has {len(entries)} entries for {self.num_envs} {self.what}")
@@ -131,4 +133,4 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
         chosen = ids.tolist()
         values = [[entries[sim] for sim in chosen] for entries in prescribed]
         self.task.reset(ids, [self._generators[sim] for sim in chosen], *values)
-        self._over[ids] = False
+        self.over[ids] = False

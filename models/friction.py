@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from .errors import OptionError
 from .types import Array
-from .values import bounded
+from .values import bounded, reals
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,11 @@ class Friction:
 
     def dry(self, velocity: ArrayLike) -> Array:
         """Magnitude without the viscous part [N], of the shape of `velocity` [m/s]."""
-        speed = np.asarray(velocity, dtype=float)
+        speed = reals("velocity", velocity, error=OptionError)
         surplus = 0.0 if self.static is None else self.static - self.coulomb
         return np.asarray(self.coulomb + surplus * np.exp(-((speed / self.stribeck_velocity) ** 2)))
 
     def force(self, velocity: ArrayLike) -> Array:
         """Force against the motion [N], of the sign and the shape of `velocity` [m/s]."""
-        speed = np.asarray(velocity, dtype=float)
+        speed = reals("velocity", velocity, error=OptionError)
         return np.asarray(self.dry(speed) * np.tanh(speed / self.width) + self.viscous * speed)

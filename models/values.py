@@ -8,13 +8,18 @@ from numbers import Real
 from typing import Any, Literal, ParamSpec, TypeGuard, TypeVar, get_origin
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from .errors import FlatrigError, OptionError, RigError
+from .errors import FlatrigError, ModelError, OptionError, RigError
+from .types import Array
 
 Vector = tuple[float, float, float]
 
 LARGEST = 1e12
 """Numbers beyond it are taken for a mistake in units."""
+
+LONGEST_SHOWN = 80
+"""Characters of a wrong value that a message shows."""
 
 ENDLESS = {"endless": True}
 """Metadata of a dataclass's field that may be infinite."""
@@ -36,6 +41,34 @@ def as_number(value: object) -> float:
         return float(value)
     except OverflowError:  # an integer of hundreds of digits
         return math.inf if value > 0 else -math.inf
+
+
+def shown(value: object) -> str:
+    """What somebody gave, for a message: on one line, and cut off where it is long."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= LONGEST_SHOWN else f"{text[: LONGEST_SHOWN - 4]} ..."
+
+
+def reals(label: str, value: ArrayLike, *, error: type[FlatrigError] = ModelError) -> Array:
+    """An array of floats from real numbers as `is_number` has them, in any array-like.
+
+    They may be infinite or NaN.  An array of floats comes back as it is, not as a copy.
+
+    Raises
+    ------
+    FlatrigError
+        An entry is something else, or rows differ in length; of class `error`.
+    """
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError, RuntimeError):  # ragged rows, or a tensor that says no
+        raise error(f"{label} is {shown(value)}, it must be numbers, as many in each row") from None
+    if array.dtype.kind == "O" and all(is_number(entry) for entry in array.flat):
+        flat = [as_number(entry) for entry in array.flat]
+        array = np.array(flat, dtype=np.float64).reshape(array.shape)
+    if array.dtype.kind not in "iuf":
+        raise error(f"{label} is {shown(value)}, it must be finite numbers")
+    return np.asarray(array, dtype=np.float64)
 
 
 def bounded(
@@ -73,7 +106,7 @@ def bounded(
     limits = {f"> {above:g}": above, f">= {least:g}": least, f"at most {most:g}": most}
     bounds = " and ".join(bound for bound, limit in limits.items() if math.isfinite(limit))
     rule = rule or f"a {'whole' if whole else 'finite'} number {bounds}".rstrip()
-    text = f"{value} {unit}".rstrip() if is_number(value) else repr(value)
+    text = f"{value} {unit}".rstrip() if is_number(value) else shown(value)
     raise error(f"{label} is {text}, it must be {rule}")
 
 
@@ -86,7 +119,7 @@ def number(label: str, value: object, *, endless: bool = False) -> float:
         It is none.
     """
     if not is_number(value):
-        raise RigError(f"{label} is {value!r}, it must be a number")
+        raise RigError(f"{label} is {shown(value)}, it must be a number")
     plain = as_number(value)
     if math.isinf(plain) and endless:
         return plain
@@ -118,7 +151,7 @@ def word(label: str, value: object) -> str:
         It is not a text.
     """
     if not isinstance(value, str):
-        raise RigError(f"{label} is {value!r}, it must be a name")
+        raise RigError(f"{label} is {shown(value)}, it must be a name")
     return value
 
 
@@ -133,7 +166,7 @@ def sequence(label: str, value: object) -> tuple[Any, ...]:
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if isinstance(value, str) or not isinstance(value, Sequence):
-        raise RigError(f"{label} is {value!r}, it must be a list")
+        raise RigError(f"{label} is {shown(value)}, it must be a list")
     return tuple(value)
 
 
@@ -180,7 +213,7 @@ def clean(part: Any) -> None:
             for entry in plain:
                 if not isinstance(entry, kind.__args__[0]):
                     needed = getattr(kind.__args__[0], "__name__", str(kind.__args__[0]))
-                    raise RigError(f"{label} holds {entry!r}, it must be a {needed}")
+                    raise RigError(f"{label} holds {shown(entry)}, it must be a {needed}")
         elif kind is int:
             plain = whole(label, value)
         elif kind == Literal[2, 3]:
@@ -208,7 +241,7 @@ class Home(Mapping[str, float | Vector]):
 
     def __init__(self, values: Mapping[str, object]) -> None:
         if not isinstance(values, Mapping):
-            raise RigError(f"home is {values!r}, it must map names to positions")
+            raise RigError(f"home is {shown(values)}, it must map names to positions")
         self._values: dict[str, float | Vector] = {}
         for name, value in values.items():
             label = f"home of {word('a name in home', name)}"

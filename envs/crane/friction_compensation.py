@@ -20,6 +20,7 @@ from ...models.errors import OptionError, did_you_mean
 from ...models.friction import Friction
 from ...models.rig.rig import Frame, Rope, Trolley
 from ...models.types import Array
+from ...models.values import shown
 from ..laws import AnyEnv, Law, refuse_below, task_of, wrap
 from .task import CraneTask
 
@@ -83,7 +84,7 @@ def FrictionCompensation(
         raise OptionError(f"{env} is no crane, FrictionCompensation is for drives of cranes")
     refuse_below(env, "FrictionCompensation")
     if speed not in ("reference", "measured"):
-        raise OptionError(f'speed is {speed!r}, it must be "reference" or "measured"')
+        raise OptionError(f'speed is {shown(speed)}, it must be "reference" or "measured"')
     if friction is None:
         frictions: list[Friction | None] = [*expected(task)]
     else:
@@ -92,7 +93,7 @@ def FrictionCompensation(
                 known = did_you_mean(str(name), task.rig.input_names)
                 raise OptionError(f"friction of {name!r}: there is no such drive{known}")
             if not isinstance(value, Friction):
-                raise OptionError(f"friction of {name} is {value!r}, it must be a Friction")
+                raise OptionError(f"friction of {name} is {shown(value)}, it must be a Friction")
         frictions = [friction.get(name) for name in task.rig.input_names]
     law = CompensationLaw(task, frictions, speed)
     return wrap(env, law, friction=friction, speed=speed)

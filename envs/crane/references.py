@@ -12,6 +12,7 @@ from ...feedforward.paths.reference import Reference
 from ...models.errors import FlatrigError, OptionError
 from ...models.rig.move import Move
 from ...models.rig.rig import Rig
+from ...models.values import shown
 from ..plans import TRIES, Planner, Sampler
 from .payloads import payloads
 from .plan import CranePlan, layout_of, make_plan
@@ -43,7 +44,7 @@ def as_reference(value: object) -> Reference:
     if isinstance(value, Move):
         return feedforward.from_move(value)
     if not hasattr(value, "derivatives"):
-        raise OptionError(f"reference is {value!r}, it must be a Reference or a Move")
+        raise OptionError(f"reference is {shown(value)}, it must be a Reference or a Move")
     return cast("Reference", value)
 
 
@@ -174,5 +175,5 @@ def rig_and_move(rig: object) -> tuple[Rig, Move | None]:
     if isinstance(rig, str):
         return models.make(rig), None
     raise OptionError(
-        f"rig is {rig!r}, it must be a Rig, a name of the catalogue or the path of a TOML file"
+        f"rig is {shown(rig)}, it must be a Rig, a name of the catalogue or the path of a TOML file"
     )

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from ...models.errors import OptionError
 from ...models.hand.hand import Hand
 from ...models.types import Array
-from ...models.values import Vector, bounded
+from ...models.values import Vector, bounded, shown
 from ..common import LONGEST_DELAY, Range
 from ..ranges import PlantScenario, Ranges, quantity
 
@@ -60,7 +60,7 @@ class HandScenario(PlantScenario):
         for name in ("shift", "turn"):
             value = getattr(self, name)
             if not isinstance(value, tuple | list | np.ndarray) or len(value) != 3:
-                raise OptionError(f"scenario: {name} is {value!r}, it must be three numbers")
+                raise OptionError(f"scenario: {name} is {shown(value)}, it must be three numbers")
             parts = tuple(bounded(f"scenario: {name}", part) for part in value)
             object.__setattr__(self, name, parts)
 

@@ -10,6 +10,7 @@ from ...models.errors import OptionError
 from ...models.hand.catalogue import HAND_CATALOGUE, default_hand_move, make_hand
 from ...models.hand.hand import Hand
 from ...models.hand.move import HandMove
+from ...models.values import shown
 from ..plans import Planner
 from .plan import HandPlan, make_hand_plan
 
@@ -67,7 +68,7 @@ class HandPlanner(Planner[HandPlan]):
     def plan(self, reference: object) -> HandPlan:
         """The plan for a given move."""
         if not isinstance(reference, HandMove):
-            raise OptionError(f"reference is {reference!r}, it must be a HandMove")
+            raise OptionError(f"reference is {shown(reference)}, it must be a HandMove")
         return make_hand_plan(self._hand, reference, self.period, self.hold)
 
 
@@ -98,4 +99,4 @@ def as_hand(value: object) -> Hand:
         return value
     if isinstance(value, str):
         return make_hand(value)
-    raise OptionError(f"hand is {value!r}, it must be a Hand or a name of the catalogue")
+    raise OptionError(f"hand is {shown(value)}, it must be a Hand or a name of the catalogue")

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import ModelError, OptionError
 from ..files import STANDARD_OUTPUT, replacing
 from ..types import Array
-from ..values import bounded
+from ..values import bounded, reals
 
 Image = NDArray[np.uint8]
 
@@ -234,10 +234,7 @@ def _check_fps(fps: float) -> None:
 
 def _trajectory(model: mujoco.MjModel, qpos: ArrayLike, times: ArrayLike) -> tuple[Array, Array]:
     """Joint positions (N, nq) and their rising times (N,), one or more."""
-    try:
-        path, clock = np.asarray(qpos, dtype=np.float64), np.asarray(times, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise OptionError("qpos and times must be numbers") from None
+    path, clock = reals("qpos", qpos, error=OptionError), reals("times", times, error=OptionError)
     if clock.ndim != 1 or len(clock) == 0:
         raise OptionError(f"times have shape {clock.shape}, they need shape (N,) with N >= 1")
     if path.shape != (len(clock), model.nq):

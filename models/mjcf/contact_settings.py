@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from ..errors import ModelError, did_you_mean
-from ..values import as_number
+from ..values import as_number, shown
 from .rig_model import INTEGRATORS
 
 CONES = {"elliptic": mujoco.mjtCone.mjCONE_ELLIPTIC, "pyramidal": mujoco.mjtCone.mjCONE_PYRAMIDAL}
@@ -49,13 +49,14 @@ class ContactSettings:
             ("cone", self.cone, CONES),
         ):
             if value not in known:
-                raise ModelError(f"there is no {label} {value!r}{did_you_mean(str(value), known)}")
+                hint = did_you_mean(str(value), known)
+                raise ModelError(f"there is no {label} {shown(value)}{hint}")
         for label, count in (("timestep", 0), ("impratio", 0), ("solref", 2), ("solimp", 3)):
             given = getattr(self, label)
             numbers = given if count and isinstance(given, tuple) else (given,)
             if len(numbers) != max(count, 1) or not all(map(_positive, numbers)):
                 needed = f"{count} numbers > 0" if count else "a number > 0"
-                raise ModelError(f"{label} is {given!r}, it must be {needed}")
+                raise ModelError(f"{label} is {shown(given)}, it must be {needed}")
         if type(self.noslip) is not int or self.noslip < 0:
             raise ModelError(f"noslip is {self.noslip!r}, it must be a whole number >= 0")
         if type(self.condim) is not int or self.condim not in (0, 1, 3, 4, 6):

@@ -32,7 +32,7 @@ from ..errors import ModelError, did_you_mean
 from ..looks import booms, dressing, setting
 from ..rig.chain import Link, links
 from ..rig.rig import WORLD, Frame, Platform, Rig, Trolley, Vector
-from ..values import as_number
+from ..values import as_number, shown
 from . import rigging, spools
 from .armature import check
 from .at_rest import compile_at_rest
@@ -199,10 +199,10 @@ def _options(
 ) -> None:
     if not isinstance(integrator, str) or integrator not in INTEGRATORS:
         known = did_you_mean(str(integrator), INTEGRATORS)
-        raise ModelError(f"there is no integrator {integrator!r}{known}")
+        raise ModelError(f"there is no integrator {shown(integrator)}{known}")
     if not TIMESTEPS[0] <= as_number(timestep) <= TIMESTEPS[1]:
         limits = "{:g} s to {:g} s".format(*TIMESTEPS)
-        raise ModelError(f"timestep is {timestep!r} s, it must be a number > 0 ({limits})")
+        raise ModelError(f"timestep is {shown(timestep)} s, it must be a number > 0 ({limits})")
     scene.option.timestep = float(timestep)
     scene.option.integrator = INTEGRATORS[integrator]
     scene.option.gravity = [0, 0, -rig.gravity]
@@ -222,7 +222,7 @@ def _check_masses(rig: Rig, massless: float | None) -> None:
     largest = LARGEST_SHARE * rig.weight / rig.gravity
     if massless is not None and not 0 < as_number(massless) <= largest:
         raise ModelError(
-            f"massless is {massless!r} kg, it must be a number > 0 and at most {largest:g}, "
+            f"massless is {shown(massless)} kg, it must be a number > 0 and at most {largest:g}, "
             f"{LARGEST_SHARE:g} of the loads' mass"
         )
 

@@ -21,6 +21,7 @@ from ..rig.lengths import rope_lengths
 from ..rig.rig import Frame, Platform, Rig, Trolley, Vector
 from ..rig.turning_axes import carry, turn
 from ..types import Array
+from ..values import reals
 from .ropes import reach, stretches
 
 
@@ -113,7 +114,7 @@ def points(
     `qpos`, `qvel`, `qacc` have the shape (N, nq).
     """
     orders = [qpos, qvel] if qacc is None else [qpos, qvel, qacc]
-    joints = np.stack([np.asarray(value, dtype=float) for value in orders])
+    joints = np.stack([reals("a joint's motion", value) for value in orders])
     motion = {name: joints[..., column] for column, name in enumerate(joint_names(rig))}
     place: dict[str, Array] = {}
     world: dict[str, Array] = {}
@@ -197,7 +198,7 @@ def paid_out(
         A spool has paid out more than it holds, and the model is no longer true.
     """
     orders = [qpos, qvel] if qacc is None else [qpos, qvel, qacc]
-    joints = np.stack([np.asarray(value, dtype=float) for value in orders])
+    joints = np.stack([reals("a joint's motion", value) for value in orders])
     first = len(joint_names(rig))
     if joints.shape[-1] == first:
         return rope_lengths(rig, points(rig, qpos, qvel, qacc))
@@ -238,7 +239,7 @@ def tensions(
         Forces of friction, (N, ropes) or a number [N].
     """
     lengths = paid_out(rig, qpos, qvel, qacc)
-    inputs = np.asarray(ctrl, dtype=float)
+    inputs = reals("ctrl", ctrl)
     columns = {drive.on: index for index, drive in enumerate(rig.drives)}
     pulls = []
     for rope in rig.ropes:
@@ -246,7 +247,7 @@ def tensions(
         if rope.name in columns:
             pull = pull - inputs[..., columns[rope.name]] / rope.drum_radius
         pulls.append(pull)
-    along: Array = np.stack(pulls, axis=-1) - np.asarray(friction, dtype=float)
+    along: Array = np.stack(pulls, axis=-1) - reals("friction", friction)
     return along
 
 

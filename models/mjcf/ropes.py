@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike
 from ..errors import ModelError, did_you_mean
 from ..rig.rig import Rig, Rope
 from ..types import Array
-from ..values import bounded
+from ..values import bounded, reals
 
 KINDS = ("rigid", "elastic", "slack")
 """What ropes may be."""
@@ -170,7 +170,7 @@ def stiffness(model: Any, rope: Rope) -> float:
 
 def stretches(rig: Rig, model: Any, tensions: ArrayLike) -> Array:
     """Stretch L - w of each rope at rest under tensions (N, ropes) [N], (N, ropes) [m]."""
-    pull = np.asarray(tensions, dtype=float)
+    pull = reals("tensions", tensions)
     stiff = np.array([stiffness(model, rope) for rope in rig.ropes])
     return np.asarray(pull / stiff)
 

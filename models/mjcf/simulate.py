@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import ModelError
 from ..types import Array
+from ..values import reals
 from .rig_state import State
 
 LOG = "MUJOCO_LOG.TXT"
@@ -36,7 +37,7 @@ def run(model: mujoco.MjModel, qpos: ArrayLike, qvel: ArrayLike, controls: Array
     ModelError
         A shape is wrong, a value is not finite, or the simulation breaks down.
     """
-    inputs = _numbers("controls", controls)
+    inputs = reals("controls", controls)
     if inputs.ndim != 2 or inputs.shape[1] != model.nu:
         raise ModelError(f"controls have shape {inputs.shape}, it must be (N, {model.nu})")
     if not np.isfinite(inputs).all():
@@ -70,17 +71,9 @@ def leave_no_log() -> None:
         log.set()
 
 
-def _numbers(name: str, value: ArrayLike) -> Array:
-    """A copy as an array of floats."""
-    try:
-        return np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ModelError(f"{name} must be an array of numbers") from None
-
-
 def _start(name: str, value: ArrayLike, size: int) -> Array:
     """Initial joint positions or velocities, shape (size,)."""
-    array = _numbers(name, value)
+    array = reals(name, value).copy()
     if array.shape != (size,):
         raise ModelError(f"{name} has shape {array.shape}, it must be ({size},)")
     if not np.isfinite(array).all():
@@ -98,13 +91,13 @@ def accelerations(
     ModelError
         A state or input is so large that MuJoCo gives up on it.
     """
-    position = np.atleast_2d(np.asarray(qpos, dtype=float))
+    position = np.atleast_2d(reals("qpos", qpos))
     batch = Batch(model, nsim=len(position), nthread=1)
     batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
     qacc = batch.bind("qacc")
     batch.qpos = position
-    batch.qvel = np.atleast_2d(np.asarray(qvel, dtype=float))
-    batch.ctrl = np.atleast_2d(np.asarray(ctrl, dtype=float))
+    batch.qvel = np.atleast_2d(reals("qvel", qvel))
+    batch.ctrl = np.atleast_2d(reals("ctrl", ctrl))
     batch.forward()
     if batch.warning.any():
         sample = int(batch.warning.reshape(len(position), -1).any(axis=1).argmax())

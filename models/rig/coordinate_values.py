@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import ModelError, did_you_mean
 from ..types import Array
+from ..values import reals
 from .rig import Rig
 
 
@@ -52,10 +53,7 @@ def _known(rig: Rig, *mappings: Mapping[str, ArrayLike]) -> None:
 
 def _numbers(name: str, value: ArrayLike) -> Array:
     """Finite numbers as an array."""
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ModelError(f"{name} is {value!r}, it must be finite numbers") from None
+    array = reals(name, value)
     if not np.isfinite(array).all():
         wrong = array[~np.isfinite(array)].flat[0]
         raise ModelError(f"{name} is {wrong}, it must be finite")

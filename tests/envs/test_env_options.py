@@ -92,9 +92,9 @@ def test_a_sampler_must_give_a_reference():
     [
         ([0.0, 0.0, 0.0], r"shape \(3,\), it must have shape \(2,\)"),
         (0.0, "shape"),
-        ("a", "must be numbers"),
-        (None, "shape"),
-        ([0.0, np.nan], "not a number"),
+        ("a", "must be finite numbers"),
+        (None, "an action is None"),
+        ([0.0, np.nan], r"actions must be finite: action 1 \(winch\) is nan"),
     ],
 )
 def test_wrong_actions_get_one_line(build, action, message):
