@@ -6,6 +6,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.types import Mask
+
 Ids = NDArray[np.int32]
 """Indices of some simulations, sorted."""
 
@@ -26,6 +28,14 @@ NOT_FINITE = "not finite"
 
 NOTHING = int(mujoco.mjtStage.mjSTAGE_NONE)
 """What MuJoCo computes after a step or reset whose results nobody reads."""
+
+
+def none_of(ids: Ids | None, num: int) -> Mask:
+    """Which of `num` simulations are none of these, shape (num,); None stands for all."""
+    others = np.full(num, ids is not None)
+    if ids is not None:
+        others[ids] = False
+    return others
 
 
 class AnyScenario(Protocol):

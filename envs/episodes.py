@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..models.errors import OptionError
 from ..models.types import Array, Mask
-from ..models.values import bounded, shown
-from .common import NOT_FINITE, Ids, Steps
+from ..models.values import bounded
+from .common import NOT_FINITE, Ids, Steps, none_of
 from .gains import Gains, Track
 from .option_checks import actions_of, substeps_of
 from .plans import Layout, Planner, PlanT
@@ -83,9 +83,7 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         if nthread is not None:
             bounded("nthread", nthread, least=1, whole=True)
         if sensors not in SENSORS:
-            raise OptionError(
-                f"sensors is {shown(sensors)}, it must be one of {', '.join(SENSORS)}"
-            )
+            raise OptionError(f"sensors is {sensors!r}, it must be one of {', '.join(SENSORS)}")
         self.num, self.sensors = int(num), sensors
         self.all = np.arange(self.num, dtype=np.int32)
         substeps = substeps_of(rate, timestep)
@@ -147,10 +145,12 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         ------
         OptionError
             A scenario is none or has friction that the task was made without, or a reference is
-            none; then nothing has changed.
+            none; then nothing has changed.  Or the process was forked from the task's, whose
+            threads it lacks.
         PathError, SmoothnessError
             A reference cannot be followed.
         """
+        self.plant.require_threads()
         scenarios = [None] * len(ids) if scenarios is None else scenarios
         references = [None] * len(ids) if references is None else references
         for scenario in scenarios:
@@ -191,9 +191,11 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         Raises
         ------
         OptionError
-            Actions have another shape or are not finite numbers, or an episode has not begun.
+            Actions have another shape or are not finite numbers, an episode has not begun, or the
+            process was forked from the task's, whose threads it lacks.
         """
-        wanted = actions_of(actions, self._scale.shape, self._names, lambda: self._not_in(ids))
+        self.plant.require_threads()
+        wanted = actions_of(actions, self._scale.shape, self._names, lambda: none_of(ids, self.num))
         if self._new and (ids is None or not self._new.isdisjoint(ids.tolist())):
             raise OptionError("no episode has begun, call reset before step")
         reward = self._advance(wanted, None) if ids is None else self._advance_some(wanted, ids)
@@ -248,16 +250,9 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         self.encoders.step(self.rows.parts["drives"])
         return self._reward.of(self.plant.outputs, self.rows.parts["outputs"])
 
-    def _not_in(self, ids: Ids | None) -> Mask:
-        """Which simulations are none of these, shape (n,); None stands for all."""
-        idle = np.full(self.num, ids is not None)
-        if ids is not None:
-            idle[ids] = False
-        return idle
-
     def _advance_some(self, actions: Array, ids: Ids) -> Array:
         """One control period of some simulations; the memory of the others is put back."""
-        idle = self._not_in(ids)
+        idle = none_of(ids, self.num)
         last = self._commands.last
         memory = (self._steps, last, self._reward.terms, *self.encoders.memory)
         before = [values[idle] for values in memory]

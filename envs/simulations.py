@@ -9,6 +9,8 @@ import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
+from ..models.errors import OptionError
+from ..models.forks import hold_in_children
 from ..models.mjcf.simulate import leave_no_log
 from ..models.types import Array
 from .common import NOTHING, Ids
@@ -46,6 +48,9 @@ class Simulations(ABC, Generic[PlanT, ScenarioT]):
         self.model, self.num, self.substeps = model, num, substeps
         threads = min(num, os.cpu_count() or 1) if nthread is None else int(nthread)
         self.batch = Batch(model, num, threads, persistent=True)
+        self._process = os.getpid()
+        if self.batch.nthread > 1:
+            hold_in_children(self.batch)
         self.qpos, self.qvel = self.batch.bind("qpos"), self.batch.bind("qvel")
         """Joint positions and velocities, shapes (n, nq) and (n, nv)."""
         self.ctrl = self.batch.bind("ctrl")[:, :drives]
@@ -71,6 +76,20 @@ class Simulations(ABC, Generic[PlanT, ScenarioT]):
         self._forget(ids)
         self.batch.forward(ids, self.stage)
         self._read()
+
+    def require_threads(self) -> None:
+        """Refuse to wait for threads that are not there.
+
+        Raises
+        ------
+        OptionError
+            They are in the process that this one was forked from.
+        """
+        if self._process != os.getpid() and self.batch.nthread > 1:
+            raise OptionError(
+                f"this environment was made in process {self._process} and has no threads in its "
+                f"fork {os.getpid()}; make a new one after os.fork, or make it with nthread=1"
+            )
 
     @abstractmethod
     def step(self, ids: Ids | None = None) -> None:

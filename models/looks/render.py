@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import ModelError, OptionError
 from ..files import STANDARD_OUTPUT, replacing
+from ..forks import hold_in_children, require_drawing_process
 from ..types import Array
 from ..values import bounded, reals
 
@@ -118,7 +119,7 @@ def renderer(model: mujoco.MjModel, width: int = 640, height: int = 480) -> mujo
     Raises
     ------
     ModelError
-        Nothing works; says what to install.
+        Nothing works; says what to install.  Or this process was forked from one that draws.
     OptionError
         The size is not between 1 and the model's offscreen buffer.
     """
@@ -128,9 +129,12 @@ def renderer(model: mujoco.MjModel, width: int = 640, height: int = 480) -> mujo
             f"a picture of {width} x {height} pixels is not possible, "
             f"it must be between 1 x 1 and {room.offwidth} x {room.offheight}"
         )
+    require_drawing_process()
     _use(backend())
     try:
-        return mujoco.Renderer(model, height, width)
+        drawing = mujoco.Renderer(model, height, width)
+        hold_in_children(drawing)
+        return drawing
     except Exception as error:
         reason = " ".join(str(error).split())
         raise ModelError(
