@@ -12,6 +12,7 @@ same function, item and sources have made it; other sources begin the file anew.
 Where the work is done is up to a `Backend`.  `Processes` is the one for this machine.
 """
 
+import contextlib
 import hashlib
 import json
 import os
@@ -32,6 +33,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from ..models.errors import FlatrigError
 from ..models.files import append_text, write_text
 from .console import console
+from .lock import locked
 
 PACKAGE = Path(__file__).parents[1]
 ROOMS = ("models", "feedforward", "envs", "training")
@@ -194,6 +196,8 @@ class Jobs(Generic[Item, Value]):
         ------
         OutputError
             The file cannot be written.
+        FolderError
+            Another process is at work in its folder.
         """
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
                    TimeElapsedColumn())  # fmt: skip
@@ -204,6 +208,10 @@ class Jobs(Generic[Item, Value]):
                 yield Result(number, items[number], ending)
 
     def _endings(self, items: Sequence[Item]) -> Iterator[tuple[int, Value | Exception]]:
+        with contextlib.nullcontext() if self.file is None else locked(self.file.parent):
+            yield from self._work(items)
+
+    def _work(self, items: Sequence[Item]) -> Iterator[tuple[int, Value | Exception]]:
         store = self._begin_file()
         keys = [self._key(item) for item in items]
         for number, key in enumerate(keys):

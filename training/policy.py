@@ -40,7 +40,10 @@ SHIPPED = Path(__file__).with_name("policies")
 """Folder of the policies that come with the package."""
 CLIP = 10.0
 """Features are clipped to this many standard deviations."""
-DAMAGE = (OptionError, ValueError, KeyError, TypeError, AttributeError, SafetensorError)
+DAMAGE = (
+    OptionError, ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError,
+    SafetensorError,
+)  # fmt: skip
 """What reading a damaged policy, or a file that is none, may raise."""
 
 

@@ -50,14 +50,14 @@ def csv_text(columns: Iterable[str], rows: Iterable[Iterable[object]], form: str
 
 
 def append_csv(path: Path, row: Mapping[str, object]) -> None:
-    """Add a row to a file, its column names first if the file is new.
+    """Add a row to a file, its column names first if the file is new or empty.
 
     Raises
     ------
     OutputError
         It cannot be written.
     """
-    columns = [] if path.exists() else [row.keys()]
+    columns = [] if path.exists() and path.stat().st_size else [row.keys()]
     append_text(path, _lines([*columns, row.values()]))
 
 

@@ -3,6 +3,8 @@
 import csv
 import io
 import json
+import os
+import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -23,6 +25,7 @@ from flatrig.training.cli import main
 from flatrig.training.learn.ppo import Training
 from flatrig.training.learn.sb3 import export
 from flatrig.training.learn.settings import Settings
+from flatrig.training.lock import locked
 from flatrig.training.options import Train
 from flatrig.training.policy import Policy
 
@@ -187,6 +190,46 @@ def test_resuming_goes_on_where_it_stopped(trained: Path) -> None:
     assert config["options"]["steps"] == 1000
     assert [later["steps"] for later in config["resumed"]] == [1000, same + 600]
     assert [later["from"] for later in config["resumed"]] == [steps, same]
+
+
+def test_what_was_noted_after_the_checkpoint_is_not_there_twice(
+    trained: Path, tmp_path: Path
+) -> None:
+    """A run killed between two checkpoints has rows that the resumed one writes again."""
+    folder = tmp_path / "run"
+    shutil.copytree(trained, folder)
+    steps = json.loads((folder / "checkpoint.json").read_text())["steps"]
+    kept = {}
+    for name in ("progress.csv", "evaluation.csv"):
+        kept[name] = (folder / name).read_text()
+        header, *_, last = kept[name].splitlines()
+        row = dict(zip(header.split(","), last.split(","), strict=True))
+        later = ",".join((row | {"steps": str(steps + 64)}).values())
+        with (folder / name).open("a") as file:
+            file.write(f"{later}\n{later[: len(later) // 2]}")
+    assert main(["train", "overhead", "-o", str(folder), "--resume"]) == 0
+    for name, text in kept.items():
+        assert (folder / name).read_text().startswith(text)
+        with (folder / name).open(newline="") as file:
+            reached = [int(row["steps"]) for row in csv.DictReader(file)]
+        assert steps + 64 not in reached[: len(text.splitlines())]
+        assert reached == sorted(reached)
+    (folder / "progress.csv").write_text("no,table\n")
+    assert main(["train", "overhead", "-o", str(folder), "--resume"]) == 2
+
+
+def test_two_runs_in_one_folder_keep_apart(
+    trained: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = {path.name: path.read_bytes() for path in trained.iterdir()}
+    with locked(trained):
+        assert main(["train", "overhead", "-o", str(trained), "--resume"]) == 2
+    assert f"process {os.getpid()} on" in capsys.readouterr().err
+    assert {path.name: path.read_bytes() for path in trained.iterdir()} == before
+    with locked(trained.parent / "begun"):
+        argv = ["train", "overhead", *SHORT, "--steps", "100", "-o", str(trained.parent / "begun")]
+        assert main(argv) == 2
+        assert [path.name for path in (trained.parent / "begun").iterdir()] == [".lock"]
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from safetensors.torch import load_file, save
 
 from ...models.errors import OptionError
 from ...models.files import replacing, write_text
+from ...models.reading import read_json
 
 if TYPE_CHECKING:
     from stable_baselines3 import PPO
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 NAME = "checkpoint"
 """Both files without their suffixes."""
+DAMAGE = (ValueError, KeyError, TypeError, RuntimeError, OverflowError, SafetensorError)
+"""What reading a damaged checkpoint may raise."""
 
 
 def write(folder: Path, model: "PPO", adapter: "Adapter", state: dict[str, Any]) -> None:
@@ -45,8 +48,8 @@ def read(folder: Path, model: "PPO", adapter: "Adapter") -> dict[str, Any]:
     OptionError
         The files are missing, damaged, or of another network.
     """
+    entries = read_json(folder / f"{NAME}.json", OptionError)
     try:
-        entries = json.loads((folder / f"{NAME}.json").read_text(encoding="utf-8"))
         state = {"steps": int(entries["steps"])} | {k: float(entries[k]) for k in ("spent", "best")}
         tensors = load_file(folder / f"{NAME}.safetensors")
         network: dict[str, torch.Tensor] = {}
@@ -69,7 +72,7 @@ def read(folder: Path, model: "PPO", adapter: "Adapter") -> dict[str, Any]:
         raise OptionError(
             f"cannot read the checkpoint in {folder}: {error.strerror or error}"
         ) from None
-    except (ValueError, KeyError, TypeError, RuntimeError, SafetensorError) as error:
+    except DAMAGE as error:
         reason = " ".join(str(error).split())
         raise OptionError(f"the checkpoint in {folder} does not fit: {reason}") from None
     return state

@@ -13,6 +13,7 @@ from typing import Any
 from ...models import dumps, loads
 from ...models.errors import OptionError
 from ...models.files import OutputError, write_text
+from ...models.reading import read_json, read_text
 from .. import options
 from .settings import VALIDATION_SCENARIOS, VALIDATION_SEED, Settings
 
@@ -22,6 +23,21 @@ FREE = ("minutes", "steps", "threads", "evaluations")
 """Options in which the rest of a resumed run may differ from its beginning."""
 PACKAGES = ("flatrig", "numpy", "mujoco", "gymnasium", "torch", "stable-baselines3")
 """Packages whose versions a result depends on."""
+
+
+def check_run(folder: Path, *, resume: bool) -> None:
+    """Refuse to resume a run where there is none, and to begin one where there is.
+
+    Raises
+    ------
+    OptionError
+        Saying which.
+    """
+    there = os.path.exists(folder / "checkpoint.json")
+    if resume and not there:
+        raise OptionError(f"there is no checkpoint in {folder} to resume from")
+    if there and not resume:
+        raise OptionError(f"{folder} holds a run already; add --resume, or choose another --output")
 
 
 def read_config(
@@ -35,20 +51,16 @@ def read_config(
     Raises
     ------
     OptionError
-        There is no run, or `command` asks for another one.
+        Its file cannot be read, or `command` asks for another run.
     """
     path = folder / "config.json"
-    if not (folder / "checkpoint.json").exists():
-        raise OptionError(f"there is no checkpoint in {folder} to resume from")
+    config = read_json(path, OptionError)
     try:
-        config = json.loads(path.read_text(encoding="utf-8"))
         settings = Settings(**_tuples(config["settings"]))
         begun_with = _tuples(config["options"])
         for resumption in config.get("resumed", []):
             begun_with |= {"minutes": resumption["minutes"], "steps": resumption["steps"]}
         rig = config["rig"]
-    except OSError as error:
-        raise OptionError(f"cannot read {path}: {error.strerror}") from None
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise OptionError(f"{path} is of no run that this version can resume: {error}") from None
     mismatch = f"{command.rig} is not the rig with the move in {path}, which the run is about"
@@ -108,6 +120,47 @@ def make_run_folder(folder: Path) -> None:
                 raise OutputError(f"cannot write {table}: it is there already")
     except OSError as error:
         raise OutputError(f"cannot write {folder}: {error.strerror}") from None
+
+
+def cut_tables(folder: Path, steps: int) -> None:
+    """Take from the tables of a run what it has noted after its checkpoint.
+
+    Parameters
+    ----------
+    folder
+        Result folder of the run.
+    steps
+        Decisions of the policy up to the checkpoint.
+
+    Raises
+    ------
+    OptionError
+        What should be a table is none.
+    OutputError
+        It cannot be written.
+    """
+    for path in (folder / name for name in TABLES):
+        if not path.exists():
+            continue
+        text = read_text(path, OptionError)
+        kept = _until(path, text.splitlines(keepends=True), steps)
+        if kept != text:
+            write_text(path, kept)
+
+
+def _until(path: Path, lines: list[str], steps: int) -> str:
+    """Lines of a table up to so many decisions, without a last one that was cut off."""
+    kept = lines[:1]
+    names = "".join(kept).strip().split(",")
+    if kept and "steps" not in names:
+        raise OptionError(f"{path} is no table of a training run, it has no column 'steps'")
+    for line in lines[1:]:
+        row = dict(zip(names, line.split(","), strict=False))
+        whole = line.endswith("\n") and len(row) == len(names) and row["steps"].isdecimal()
+        if not whole or int(row["steps"]) > steps:
+            break
+        kept.append(line)
+    return "".join(kept)
 
 
 def write_config(

@@ -10,7 +10,7 @@ with the lowest error in these evaluations as policy.safetensors and policy.json
 import importlib.util
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from ...models import dumps
 from ...models.errors import OptionError
@@ -18,8 +18,12 @@ from .. import options
 from ..console import console
 from ..describe.feasible import INFEASIBLE, problems_of
 from ..exits import DONE, refuse
-from .run_folder import make_run_folder, read_config, write_config
+from ..lock import locked
+from .run_folder import check_run, cut_tables, make_run_folder, read_config, write_config
 from .settings import Settings
+
+if TYPE_CHECKING:
+    from .ppo import Training
 
 
 def main(command: options.Train) -> int:
@@ -27,26 +31,46 @@ def main(command: options.Train) -> int:
     check(command)
     check_extra()
     folder = Path(command.output or f"runs/{command.label()}-seed{command.seed}")
-    settings = Settings(fraction=command.fraction) if command.fraction else Settings()
-    config: dict[str, Any] = {}
+    check_run(folder, resume=command.resume)
     if command.resume:
-        command, settings, config = read_config(folder, command)
-        check(replace(command, steps=command.steps or None))
-    elif (folder / "checkpoint.json").exists():
-        raise OptionError(f"{folder} holds a run already; add --resume, or choose another --output")
-    elif command.minutes is None and command.steps is None:
-        command = replace(command, minutes=options.MINUTES)
-    rig, move = command.target()
-    if status := refuse(INFEASIBLE, problems_of(rig, move)):
-        return status
-    from .ppo import Training  # loads torch
+        with locked(folder):
+            return _go_on(folder, command)
+    return _begin(folder, command)
 
-    training = Training(rig, move, command, settings, folder, console())
-    if not command.resume:
+
+def _begin(folder: Path, command: options.Train) -> int:
+    """Train from nothing, in a folder that is made once the run is known to be possible."""
+    settings = Settings(fraction=command.fraction) if command.fraction else Settings()
+    if command.minutes is None and command.steps is None:
+        command = replace(command, minutes=options.MINUTES)
+    if status := refuse(INFEASIBLE, problems_of(*command.target())):
+        return status
+    training = _training(folder, command, settings)
+    with locked(folder):
+        check_run(folder, resume=False)
         make_run_folder(folder)
-    write_config(folder, command, settings, dumps(rig, move), config, training.steps)
+        write_config(folder, command, settings, dumps(*command.target()), {}, training.steps)
+        training.run()
+    return DONE
+
+
+def _go_on(folder: Path, command: options.Train) -> int:
+    """Train from the checkpoint, and forget what was noted after it."""
+    command, settings, config = read_config(folder, command)
+    check(replace(command, steps=command.steps or None))
+    if status := refuse(INFEASIBLE, problems_of(*command.target())):
+        return status
+    training = _training(folder, command, settings)
+    cut_tables(folder, training.steps)
+    write_config(folder, command, settings, dumps(*command.target()), config, training.steps)
     training.run()
     return DONE
+
+
+def _training(folder: Path, command: options.Train, settings: Settings) -> "Training":
+    from .ppo import Training  # loads torch
+
+    return Training(*command.target(), command, settings, folder, console())
 
 
 def check(command: options.Train) -> None:
