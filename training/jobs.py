@@ -7,7 +7,8 @@
 
 Every value is added to the file as soon as it is there, one line of JSON each, so that an
 interruption loses only what was being worked on.  A later run takes a value from the file if the
-same function, item and sources have made it; other sources begin the file anew.
+same function, item and sources have made it; other sources begin the file anew, and so do other
+versions of the libraries.
 
 Where the work is done is up to a `Backend`.  `Processes` is the one for this machine.
 """
@@ -22,11 +23,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
-from functools import cache
-from importlib.metadata import version
 from multiprocessing import active_children, get_context
 from pathlib import Path
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar, get_args, get_type_hints
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -34,12 +33,10 @@ from ..models.errors import FlatrigError
 from ..models.files import append_text, write_text
 from .console import console
 from .lock import locked
+from .provenance import sources
 
-PACKAGE = Path(__file__).parents[1]
-ROOMS = ("models", "feedforward", "envs", "training")
-"""Folders of the package whose sources may decide on a value."""
-LIBRARIES = ("mujoco", "numpy", "scipy")
-"""Libraries whose versions may, too."""
+DAMAGE = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
+"""What a damaged file of values may raise."""
 
 Item = TypeVar("Item")
 Value = TypeVar("Value")
@@ -180,7 +177,8 @@ class Jobs(Generic[Item, Value]):
     resume: bool = False
     """Whether to take values from that file; it begins anew if not."""
     decode: Callable[[Any], Value] = lambda data: data
-    """Makes a value of what was kept of it: JSON, in which dataclasses are dictionaries."""
+    """Makes a value of what was kept of it: JSON, in which dataclasses are dictionaries.  What it
+    refuses, by an error of `DAMAGE`, is computed anew."""
     identity: Callable[[Item], object] = lambda item: item
     """Everything but function and sources that a value depends on; its `repr` is hashed."""
 
@@ -214,10 +212,15 @@ class Jobs(Generic[Item, Value]):
     def _work(self, items: Sequence[Item]) -> Iterator[tuple[int, Value | Exception]]:
         store = self._begin_file()
         keys = [self._key(item) for item in items]
+        missing = dict(enumerate(items))
         for number, key in enumerate(keys):
             if key in store:
-                yield number, self.decode(store[key])
-        missing = {number: items[number] for number, key in enumerate(keys) if key not in store}
+                try:
+                    value = self.decode(store[key])
+                except DAMAGE:
+                    continue
+                del missing[number]
+                yield number, value
         for number, ending in self.backend(self.function, missing, self.retries):
             if self.file is not None and not isinstance(ending, Exception):
                 append_text(self.file, _line({"key": keys[number], "value": ending}))
@@ -246,20 +249,26 @@ def _read(file: Path) -> dict[str, Any]:
                 for line in lines:
                     entry = json.loads(line)
                     stored[entry["key"]] = entry["value"]
-    except (OSError, ValueError):  # no file, another's, or a last line that was cut off
+    except (OSError, *DAMAGE):  # no file, another's, or a last line that was cut off
         pass
     return stored
 
 
+def record(kind: type[Value], entry: Any) -> Value:
+    """A dataclass of plain values, from the dictionary that a file has kept of it; for `decode`.
+
+    Raises
+    ------
+    TypeError
+        It is none, or a value is not of its field's type.
+    """
+    made = kind(**entry)
+    for name, hint in get_type_hints(kind).items():
+        kinds = get_args(hint) or (hint,)
+        if not isinstance(getattr(made, name), (*kinds, int) if float in kinds else kinds):
+            raise TypeError(f"{name} of {entry!r} is not {hint}")
+    return made
+
+
 def _line(entry: dict[str, Any]) -> str:
     return json.dumps(entry, default=asdict) + "\n"
-
-
-@cache
-def sources() -> str:
-    """Hash of the package's sources and of the versions of what they compute with."""
-    digest = hashlib.sha256(repr([version(library) for library in LIBRARIES]).encode())
-    for room in ROOMS:
-        for path in sorted((PACKAGE / room).rglob("*.py")):
-            digest.update(str(path.relative_to(PACKAGE)).encode() + path.read_bytes())
-    return digest.hexdigest()[:16]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import pytest
 
 from flatrig.models.files import OutputError
-from flatrig.training import jobs
+from flatrig.training import jobs, provenance
 from flatrig.training.jobs import JobError, Jobs, Processes
 
 
@@ -122,6 +122,45 @@ def test_only_what_made_a_value_may_use_it_again(file, monkeypatch):
     assert calls.items == [4, 4, 4, 4]
 
 
+def test_the_sources_are_data_and_libraries_too(tmp_path, monkeypatch):
+    """A copy of the package, and what must and must not make its values those of another."""
+    for room in provenance.ROOMS:
+        (tmp_path / room / "__pycache__").mkdir(parents=True)
+    monkeypatch.setattr(provenance, "PACKAGE", tmp_path)
+    first = provenance.sources.__wrapped__()
+    for name in ("__pycache__/law.cpython.pyc", "notes.txt"):
+        (tmp_path / "training" / name).write_text("changed")
+        assert provenance.sources.__wrapped__() == first
+    hashes = {first}
+    (tmp_path / "training" / "policies").mkdir()
+    for name in ("policies/crane.safetensors", "policies/crane.json", "judge.py", "other.py"):
+        (tmp_path / "training" / name).write_text("a = 1")
+        hashes.add(provenance.sources.__wrapped__())
+    (tmp_path / "training" / "judge.py").rename(tmp_path / "models" / "judge.py")
+    hashes.add(provenance.sources.__wrapped__())
+    for numbers in ({"numpy": "1.0"}, {"mujoco": "1.0"}, {"casadi": "1.0"}):
+        with monkeypatch.context() as patch:
+            patch.setattr(provenance, "_version", lambda name, new=numbers: new.get(name, "2.0"))
+            hashes.add(provenance.sources.__wrapped__())
+    assert len(hashes) == 9
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["5", "[]", '{"value": 1}', '{"key": [], "value": 1}', '{"key": "KEY", "value": {"valu": 1}}',
+     '{"key": "KEY", "value": {"value": "one"}}', '{"key": "KEY", "value": null}', "[" * 100_000],
+)  # fmt: skip
+def test_a_damaged_value_is_computed_anew(file, line):
+    calls = Calls()
+    work = Jobs(calls, file=file, resume=True, decode=lambda entry: jobs.record(Root, entry))
+    work.values([4])
+    head, kept = file.read_text().splitlines()
+    file.write_text(f"{head}\n{line.replace('KEY', json.loads(kept)['key'])}\n")
+    assert work.values([4]) == [Root(2.0)]
+    assert work.values([4]) == [Root(2.0)]
+    assert calls.items == [4, 4]
+
+
 @pytest.mark.parametrize("text", ["", "\n", "[]", '{"sources"', "{}\n{}"])
 def test_a_file_of_something_else_is_begun_anew(file, text):
     file.parent.mkdir()
@@ -131,14 +170,14 @@ def test_a_file_of_something_else_is_begun_anew(file, text):
 
 
 def test_sources_are_those_of_the_package(tmp_path, monkeypatch):
-    before = jobs.sources()
-    assert before == jobs.sources.__wrapped__()
+    before = provenance.sources()
+    assert before == provenance.sources.__wrapped__()
     (tmp_path / "models").mkdir()
-    monkeypatch.setattr(jobs, "PACKAGE", tmp_path)
-    hashes = {before, jobs.sources.__wrapped__()}
+    monkeypatch.setattr(provenance, "PACKAGE", tmp_path)
+    hashes = {before, provenance.sources.__wrapped__()}
     for text in ("a = 1", "a = 2"):
         (tmp_path / "models" / "new.py").write_text(text)
-        hashes.add(jobs.sources.__wrapped__())
+        hashes.add(provenance.sources.__wrapped__())
     assert len(hashes) == 4
 
 

@@ -1,8 +1,10 @@
 """The stress suite judges rightly, and a quick part of it ends as it must."""
 
 import csv
+import json
 import math
 import time
+from dataclasses import replace
 from functools import partial
 
 import mujoco
@@ -12,6 +14,7 @@ import pytest
 from flatrig import feedforward, models
 from flatrig.models.errors import PathError
 from flatrig.training import cli
+from flatrig.training.options import Stress
 from flatrig.training.stress import roads as stress_roads
 from flatrig.training.stress import run_cases, solver_cases
 from flatrig.training.stress import stiff_cases as stiff
@@ -81,6 +84,37 @@ def test_every_ending_is_named(check, must, ending):
     outcome = judge(Case("row", "label", check, must), patience=0.2)
     assert outcome.ending == ending
     assert ending == CORRECT or outcome.reason or outcome.error is not None
+
+
+@pytest.mark.parametrize(
+    ("changes", "ending"),
+    [
+        ({"error": 1e-12}, CORRECT),
+        ({"error": 2.0}, WRONG),
+        ({"error": math.nan}, WRONG),
+        ({"error": None}, WRONG),
+        ({"ending": REFUSED}, WRONG),
+        ({"ending": STOPPED}, WRONG),
+        ({"error": "small"}, "anew"),
+        ({"ending": "fine"}, "anew"),
+        ({"colour": "red"}, "anew"),
+    ],
+)
+def test_what_was_kept_is_judged_again(changes, ending, tmp_path):
+    """A file says that a case was correct, with numbers that are none of a correct case."""
+    command = Stress(only="free fall", output=str(tmp_path), resume=True, processes=1)
+    chosen = solver_cases.case("row", "label", solver_cases.drop, 0.5, 0.0)
+    (honest,) = stress.run([chosen], tmp_path, command)
+    assert honest.ending == CORRECT
+    head, line = (tmp_path / "progress.jsonl").read_text().splitlines()
+    entry = json.loads(line)
+    entry["value"] |= {"ending": CORRECT} | changes
+    (tmp_path / "progress.jsonl").write_text(f"{head}\n{json.dumps(entry)}\n")
+    (again,) = stress.run([chosen], tmp_path, command)
+    assert again == honest if ending == "anew" else again.ending == ending
+    allowed = replace(chosen, must=(CORRECT, STOPPED))
+    (other,) = stress.run([allowed], tmp_path, command)
+    assert (other.ending == STOPPED) == (changes == {"ending": STOPPED})
 
 
 def test_the_worst_is_the_nearest_to_its_tolerance_or_not_a_number():

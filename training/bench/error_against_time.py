@@ -23,7 +23,7 @@ from ...models.errors import OptionError, did_you_mean
 from ...models.files import make_folder
 from .. import options
 from ..console import console
-from ..jobs import Jobs, Processes
+from ..jobs import Jobs, Processes, record
 from ..tables import write_csv
 from . import trial_figures, trial_tables
 from .peers import PEERS
@@ -129,7 +129,7 @@ def measure(
         Processes(processes),
         file=None if folder is None else folder / "progress.jsonl",
         resume=resume,
-        decode=lambda runs: [Run(**run) for run in runs],
+        decode=lambda runs: [record(Run, run) for run in runs],
         identity=lambda unit: (unit, cases()[unit.case].rig, cases()[unit.case].move),
     )
     return [run for runs in jobs.values(chosen) for run in runs]

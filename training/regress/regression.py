@@ -31,7 +31,7 @@ from ...models.files import make_folder
 from ...models.mjcf import rig_model as mjcf
 from .. import options
 from ..console import console, warning
-from ..jobs import Jobs
+from ..jobs import Jobs, record
 from ..simulate.drift import DURATION, Drift, Free, drift, free_motion
 from ..simulate.open_loop import Prepared, prepare
 from ..tables import table, write_csv
@@ -99,7 +99,7 @@ def measure(names: Iterable[str], folder: Path, resume: bool = False) -> list[Ro
         _rows,
         file=folder / "progress.jsonl",
         resume=resume,
-        decode=lambda rows: [Row(**row) for row in rows],
+        decode=lambda rows: [record(Row, row) for row in rows],
         identity=lambda unit: (unit, make(unit[0]), default_move(unit[0]), free_motion(unit[0])),
     )
     return [row for rows in jobs.values([*product(names, STEPS)]) for row in rows]

@@ -20,6 +20,7 @@ from functools import partial
 from typing import Any
 
 from ...models.errors import FlatrigError
+from ..jobs import record
 from ..watchdog import limited
 
 CORRECT, REFUSED, STOPPED, WRONG = "correct", "refused", "stopped", "wrong"
@@ -108,27 +109,59 @@ def worst(*findings: Finding) -> Finding:
     return max(findings, key=lambda item: item.share if math.isfinite(item.share) else math.inf)
 
 
-def judge(stressed: Case, patience: float = PATIENCE) -> Outcome:
-    """Run a case and say how it ended."""
+def attempt(stressed: Case, patience: float = PATIENCE) -> Outcome:
+    """Run a case and say how it ended; correct means only that there is a finding."""
     ended = partial(Outcome, stressed.row, stressed.label)
     try:
         with warnings.catch_warnings(), limited(patience):
             warnings.simplefilter("error")
             finding = stressed.check(*stressed.arguments)
     except Stopped as stop:
-        outcome = ended(STOPPED, str(stop))
+        return ended(STOPPED, str(stop))
     except FlatrigError as error:
-        outcome = ended(REFUSED, f"{type(error).__name__}: {error}")
+        return ended(REFUSED, f"{type(error).__name__}: {error}")
     except Exception as error:  # whatever it is, it was not meant to be
         return ended(WRONG, f"{type(error).__name__}: {error}")
-    else:
-        good = math.isfinite(finding.error) and finding.error <= finding.tolerance
-        outcome = ended(
-            CORRECT if good else WRONG, finding.road,
-            finding.error, finding.tolerance, finding.limit, finding.theory,
-        )  # fmt: skip
-    if outcome.ending in stressed.must or outcome.ending == WRONG:
+    return ended(
+        CORRECT, finding.road, finding.error, finding.tolerance, finding.limit, finding.theory
+    )
+
+
+def verdict(stressed: Case, attempted: Outcome) -> Outcome:
+    """What an attempt at a case, fresh or kept, is worth: wrong if it has not ended as it must."""
+    outcome = replace(attempted, row=stressed.row, label=stressed.label)
+    if outcome.ending == WRONG:
+        return outcome
+    if outcome.ending == CORRECT and not _within(outcome):
+        return replace(outcome, ending=WRONG)
+    if outcome.ending in stressed.must:
         return outcome
     expected = " or ".join(stressed.must)
     reason = f"{outcome.ending}, not {expected}: {outcome.reason}"
     return replace(outcome, ending=WRONG, reason=reason)
+
+
+def judge(stressed: Case, patience: float = PATIENCE) -> Outcome:
+    """Run a case and judge it."""
+    return verdict(stressed, attempt(stressed, patience))
+
+
+def _within(outcome: Outcome) -> bool:
+    """Whether there is an error, and not too large a one."""
+    if outcome.error is None or outcome.tolerance is None:
+        return False
+    return math.isfinite(outcome.error) and outcome.error <= outcome.tolerance
+
+
+def kept(entry: Any) -> Outcome:
+    """The outcome that a file has kept as a dictionary.
+
+    Raises
+    ------
+    ValueError, TypeError
+        It is none.
+    """
+    outcome = record(Outcome, entry)
+    if outcome.ending not in ENDINGS:
+        raise ValueError(f"{outcome.ending!r} is no ending")
+    return outcome

@@ -16,12 +16,14 @@ To add a case: a function that returns a finding, and a line in `cases` of one o
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, fields
+from hashlib import sha256
 from pathlib import Path
 
 import mujoco
 from rich.table import Table
 from rich.text import Text
 
+from ...models import CATALOGUE
 from ...models.errors import OptionError, did_you_mean
 from ...models.files import make_folder
 from .. import options
@@ -29,7 +31,7 @@ from ..console import console, warning
 from ..jobs import Jobs, Processes, Result
 from ..tables import table, write_csv
 from . import episode_cases, random_cases, run_cases, solver_cases, stiff_cases
-from .case import ENDINGS, WRONG, Case, Outcome, judge
+from .case import ENDINGS, WRONG, Case, Outcome, attempt, kept, verdict
 
 FOLDER = "results/stress"
 MOST_NAMED = 10
@@ -88,23 +90,32 @@ def _chosen(known: list[Case], only: str) -> list[Case]:
 
 def run(chosen: Sequence[Case], folder: Path, command: options.Stress) -> list[Outcome]:
     """Outcomes of the cases, in their order; `FOLDER/progress.jsonl` keeps what is done."""
+    # Cases name rigs of the catalogue, in which others than the package's may be registered.
+    rigs = sha256(repr({name: build() for name, build in CATALOGUE.items()}).encode()).hexdigest()
     jobs = Jobs(
-        judge,
+        attempt,
         Processes(command.processes, begin=quiet),
         retries=1,
         file=folder / "progress.jsonl",
         resume=command.resume,
-        decode=lambda outcome: Outcome(**outcome),
-        identity=lambda case: (case.row, case.label, case.arguments, command.seed),
+        decode=kept,
+        identity=lambda case: (_identity(case), command.seed, rigs),
     )
     results = sorted(jobs.results(chosen), key=lambda result: result.number)
     return [_outcome(result) for result in results]
 
 
+def _identity(case: Case) -> tuple[object, ...]:
+    """What tells a case from others."""
+    check, bound = getattr(case.check, "func", case.check), getattr(case.check, "args", ())
+    name = f"{check.__module__}.{check.__qualname__}"
+    return (case.row, case.label, name, *bound, *case.arguments)
+
+
 def _outcome(result: Result[Case, Outcome]) -> Outcome:
-    """How a case ended; wrong if it took its process down."""
+    """How a case ended, judged also if it was kept; wrong if it took its process down."""
     if result.failure is None:
-        return result.value
+        return verdict(result.item, result.value)
     return Outcome(result.item.row, result.item.label, WRONG, str(result.failure))
 
 
