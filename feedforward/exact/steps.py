@@ -111,13 +111,15 @@ def _kind(rows: tuple[tuple[Row, int], ...], columns: tuple[tuple[int, int], ...
 
 
 def _slope(row: Row, order: int, unknown: int, highest: int) -> Slope:
-    """Derivative of an equation's coefficient by an unknown's coefficient of order `highest`."""
+    """Derivative of an equation's coefficient by an unknown's coefficient of order `highest`.
+
+    A flat system determines nothing from an acceleration: its degrees of freedom, the sum of the
+    orders on which equations and unknowns are paired, are none, so that every such order is 0.
+    """
     constant = 0.0
     terms: list[tuple[float, int]] = []
     if highest == order:
         constant += sum(a for a, j in row.linear if j == unknown)
         for a, j, k in row.quadratic:
             terms += [(a, factor) for w, factor in ((j, k), (k, j)) if w == unknown]
-    if highest == order + 2:
-        constant += sum(a * (order + 1) * highest for a, j in row.second if j == unknown)
     return Slope(constant, tuple(terms))
