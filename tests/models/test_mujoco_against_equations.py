@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 from flatrig import models
 from flatrig.feedforward import equations_of, from_move, redundant
 from flatrig.models.mjcf import rig_model
+from flatrig.models.mjcf.simulate import accelerations
 from flatrig.training.bench import accuracy
 from flatrig.training.cli import main
 from flatrig.training.simulate.open_loop import open_loop
@@ -74,6 +75,19 @@ def test_accelerations_are_equal(rig, random_states):
         columns = [equations.names.index(name) for name in found]
         size = np.abs(expected[i]).max()
         assert_allclose(list(found.values()), expected[i, columns], rtol=0, atol=1e-10 * size)
+
+
+@pytest.mark.parametrize("rig", RIGS, indirect=True)
+def test_tensions_are_equal(rig, random_states):
+    equations, model = equations_of(rig), rig_model.compile(rig)
+    qpos, qvel, inputs = random_states(rig)
+    values, rates = rig_model.coordinates(rig, model, rig_model.State(qpos, qvel))
+    state, speeds = redundant(equations, values, rates)
+    _, multipliers = equations.accelerations(state, speeds, inputs)
+    qacc = accelerations(model, qpos, qvel, inputs)
+    found = rig_model.tensions(rig, qpos, qvel, qacc, inputs)
+    expected = equations.tensions(state, multipliers)
+    assert_allclose(found, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
 
 
 CASES = {case.label: case for case in accuracy.cases()}
