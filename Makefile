@@ -8,7 +8,7 @@ INSTALL := $(PIP) install --quiet --constraint constraints.txt
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install demo test lint types bench regress stress figures scenes train reproduce clean
+.PHONY: help install demo test lint types bench regress stress mutants figures scenes train reproduce clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -55,6 +55,9 @@ regress: $(VENV)/.core  ## compare every model and integrator with the stored nu
 
 stress: $(VENV)/.core  ## stiff and extreme cases, ten thousand random rigs
 	$(BIN)/flatrig stress
+
+mutants: $(VENV)/.dev  ## plant faults one at a time, and see whether tests, regress and stress notice
+	$(BIN)/python tests/mutants/run.py
 
 figures: $(VENV)/.dev  ## draw the sources' figures anew, into docs/
 	$(BIN)/flatrig reproduce all --page docs/reference/reproduced.md
