@@ -4,6 +4,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from ...models.rig.lengths import own_spans
 from ...models.rig.rig import WORLD, Frame, Load, Platform, Rig, Rope, Trolley
 from ...models.types import Array
 from .equations import Constraint, Equations, Orientation
@@ -34,9 +35,8 @@ class _Builder:
         self._platforms()
         spans, lengths = [], []
         for rope in self.rig.ropes:
-            rows = self._rope(rope)
-            first = len(self.constraints) - len(rows)
-            spans.append(tuple(range(first, len(self.constraints))))
+            indices, rows = self._rope(rope)
+            spans.append(indices)
             lengths.append(rows)
         self._drives()
         n = len(self.names)
@@ -76,7 +76,7 @@ class _Builder:
             elif name not in angles:
                 names.append(name)
         for rope in rig.ropes:
-            names += [f"{rope.name}.span{i}" for i in range(1, len(rope.path) - 1)]
+            names += [f"{rope.name}.span{i}" for i in own_spans(self.rig, rope)]
         for trolley in rig.trolleys:
             frame = rig.frame(rig.rail(trolley.rail).frame)
             if frame is not None and frame.kind == "turning":
@@ -213,25 +213,35 @@ class _Builder:
             constraints=tuple(k for k, c in enumerate(self.roles) if (c.role, c.owner) == own),
         )
 
-    def _rope(self, rope: Rope) -> Array:
-        """Constraints and inertia of a rope; returns its spans' lengths, affine."""
+    def _rope(self, rope: Rope) -> tuple[tuple[int, ...], Array]:
+        """Adds constraints and inertia of a rope; indices of its spans' constraints, and lengths.
+
+        The spans' lengths are affine, shape (spans, n + 1).
+        """
         points = [self.position(name) for name in rope.path]
-        names = [*(f"{rope.name}.span{i}" for i in range(1, len(points) - 1)), rope.coordinate]
-        rows = [self.row(name) for name in names[:-1]]
-        lengths = np.array([*rows, (self.row(rope.coordinate) - sum(rows)) / rope.falls])
-        for i, length in enumerate(lengths):
-            span = points[i + 1] - points[i]
+        last, own = len(rope.path) - 1, own_spans(self.rig, rope)
+        names = {i: f"{rope.name}.span{i}" for i in own}
+        rows = {i: self.row(name) for i, name in names.items()}
+        (left,) = {*range(1, last + 1)} - {*own}
+        times = {i: rope.falls if i == last else 1 for i in range(1, last + 1)}
+        rest = self.row(rope.coordinate) - sum(times[i] * rows[i] for i in own)
+        names[left], rows[left] = rope.coordinate, rest / times[left]
+        constraints = {}
+        for i in (*own, left):  # in this order each follows from those before
+            span = points[i] - points[i - 1]
+            constraints[i] = len(self.constraints)
             self.constrain(
-                Constraint(f"{rope.name}.{i + 1}", rope.name, "span", self.index(names[i])),
+                Constraint(f"{rope.name}.{i}", rope.name, "span", self.index(names[i])),
                 *((0.5, row, row) for row in span if row.any()),
-                (-0.5, length, length),
+                (-0.5, rows[i], rows[i]),
             )
+        lengths = np.array([rows[i] for i in range(1, last + 1)])
         self.add_inertia(rope.inertia_along, self.row(rope.coordinate))
         for sheave in rope.sheaves:
             before = lengths[: rope.after(sheave)].sum(axis=0)
             beyond = self.row(rope.coordinate) - before
             self.add_inertia(sheave.inertia / sheave.radius**2, beyond)
-        return lengths
+        return tuple(constraints[i] for i in range(1, last + 1)), lengths
 
     def _drives(self) -> None:
         for column, drive in enumerate(self.rig.drives):

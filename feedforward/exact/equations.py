@@ -10,7 +10,7 @@ with a constant mass matrix M, possibly singular (Y 5.102, K 3.39).  To make the
 - a turning frame has the cosine and the sine of its angle as coordinates,
 - a trolley on a turning rail has, besides its position along the rail, those Cartesian
   coordinates that the turning moves,
-- a rope's spans but the last have their lengths as coordinates (K 3.41),
+- a rope's spans but one, mostly the last, have their lengths as coordinates (K 3.41),
 - a platform has its three directors, the columns of its rotation matrix, as coordinates; their
   six products are constraints (Y 2.42 to 2.44) and their masses the moments about the planes
   across them, so that its gyroscopic torque needs no term of its own.
@@ -200,11 +200,11 @@ def redundant(
     for rope, constraints in zip(equations.rig.ropes, equations.spans, strict=True):
         chords = [equations.points[b] - equations.points[a] for a, b in pairwise(rope.path)]
         spans = [_distance(chord, q, v) for chord in chords]
-        spans[-1] = rope.falls * spans[-1][0], rope.falls * spans[-1][1]
-        *inner, length = (equations.roles[k].coordinate for k in constraints)
-        for i, span in zip(inner, spans[:-1], strict=True):
-            q[..., i], v[..., i] = span
-        q[..., length], v[..., length] = np.sum(spans, axis=0)
+        last = rope.falls * spans[-1][0], rope.falls * spans[-1][1]
+        whole = np.sum([*spans[:-1], last], axis=0)
+        for k, span in zip(constraints, spans, strict=True):
+            i = equations.roles[k].coordinate
+            q[..., i], v[..., i] = whole if equations.names[i] == rope.coordinate else span
     return q, v
 
 

@@ -15,13 +15,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import ModelError
-from ..rig.chain import Link, joint_names, links
+from ..rig.chain import joint_names, links
 from ..rig.coordinate_values import gather
 from ..rig.lengths import rope_lengths
-from ..rig.rig import Frame, Platform, Rig, Trolley, Vector
+from ..rig.rig import Frame, Platform, Rig, Trolley
 from ..rig.turning_axes import carry, turn
 from ..types import Array
 from ..values import reals
+from .joint_motion import angle_of, fixed, free_base, joint_motion, on_rail, shift_of
 from .ropes import reach, stretches
 
 
@@ -75,28 +76,7 @@ def joint_state(
         model is of another rig.
     """
     _same(rig, model)
-    motion = gather(rig, coordinates, rates or {})
-    columns: dict[str, Array] = {}
-    place: dict[str, Array] = {}
-    for link in links(rig):
-        part = link.part
-        if isinstance(part, Frame):
-            columns[part.coordinate] = motion[part.coordinate]
-        elif isinstance(part, Trolley):
-            upper = sum(factor * columns[name] for name, factor in link.sums[:-1])
-            columns[part.coordinate] = motion[part.coordinate] - upper
-            place[part.name] = _on_rail(rig, part, motion)
-        else:
-            world = np.zeros((*motion[f"{part.name}.x"].shape, 3))
-            for axis in rig.axes:
-                world[..., "xyz".index(axis)] = motion[f"{part.name}.{axis}"]
-            place[part.name] = turn(world, -_angle(link.frame, motion, world))
-            relative = place[part.name] - _base(link, motion, place)
-            for axis in rig.axes:
-                columns[f"{part.name}.{axis}"] = relative[..., "xyz".index(axis)]
-            if isinstance(part, Platform):
-                columns |= {name: motion[name] for name in part.angles}
-    qpos, qvel = np.stack([columns[name] for name in joint_names(rig)], axis=-1)
+    qpos, qvel = joint_motion(rig, gather(rig, coordinates, rates or {}))
     if model.nq == qpos.shape[-1]:
         return State(qpos, qvel)
     ways = rope_lengths(rig, points(rig, qpos, qvel))
@@ -123,8 +103,8 @@ def points(
         if anchor in corners:
             continue
         frame = rig.frame(anchor.frame)
-        own = _shift(frame, motion, joints) + _fixed(anchor.position, joints)
-        world[anchor.name] = turn(own, _angle(frame, motion, own))
+        own = shift_of(frame, motion, joints) + fixed(anchor.position, joints)
+        world[anchor.name] = turn(own, angle_of(frame, motion, own))
     for link in links(rig):
         part = link.part
         if isinstance(part, Frame):
@@ -132,13 +112,13 @@ def points(
         if isinstance(part, Trolley):
             terms = link.sums or ((part.coordinate, 1.0),)
             total = sum(factor * motion[name] for name, factor in terms)
-            own = _on_rail(rig, part, {**motion, part.coordinate: np.asarray(total)})
+            own = on_rail(rig, part, {**motion, part.coordinate: np.asarray(total)})
         else:
-            own = np.array(np.broadcast_to(_base(link, motion, place), (*joints.shape[:-1], 3)))
+            own = np.array(np.broadcast_to(free_base(link, motion, place), (*joints.shape[:-1], 3)))
             for axis in rig.axes:
                 own[..., "xyz".index(axis)] += motion[f"{part.name}.{axis}"]
         place[part.name] = own
-        world[part.name] = turn(own, _angle(link.frame, motion, own))
+        world[part.name] = turn(own, angle_of(link.frame, motion, own))
         for corner in corners:
             if isinstance(part, Platform) and corner.frame == part.name:
                 alpha, beta, gamma = (motion[name] for name in part.angles)
@@ -257,40 +237,3 @@ def _same(rig: Rig, model: Any) -> None:
             f"the model has {model.nq} joints, rig {rig.name} has {len(joint_names(rig))}; "
             "use the model compiled from this rig"
         )
-
-
-def _on_rail(rig: Rig, trolley: Trolley, motion: Mapping[str, Array]) -> Array:
-    """Motion of a trolley in its frame's axes, (orders, N, 3)."""
-    rail = rig.rail(trolley.rail)
-    along = np.multiply.outer(motion[trolley.coordinate], np.asarray(rail.direction))
-    shift = _shift(rig.frame(rail.frame), motion, along)
-    return np.asarray(along + shift + _fixed(rail.origin, along))
-
-
-def _base(link: Link, motion: Mapping[str, Array], place: Mapping[str, Array]) -> Array:
-    """Motion of what a free mass counts from, in its frame's axes, (orders, N, 3)."""
-    above = link.parent
-    if above is not None and not isinstance(above.part, Frame):
-        return place[above.name]
-    return _shift(link.frame, motion, next(iter(motion.values()))[..., None])
-
-
-def _shift(frame: Frame | None, motion: Mapping[str, Array], like: Array) -> Array:
-    """Motion of a sliding frame's origin; zero for others.  (orders, N, 3)"""
-    if frame is None or frame.kind != "sliding":
-        return np.zeros((*like.shape[:-1], 3))
-    return np.asarray(np.multiply.outer(motion[frame.coordinate], np.asarray(frame.axis)))
-
-
-def _fixed(vector: Vector, like: Array) -> Array:
-    """A vector that does not move, (orders, N, 3)."""
-    constant = np.zeros((*like.shape[:-1], 3))
-    constant[0] = vector
-    return constant
-
-
-def _angle(frame: Frame | None, motion: Mapping[str, Array], like: Array) -> Array:
-    """Motion of a turning frame's angle; zero for others.  (orders, N)"""
-    if frame is None or frame.kind != "turning":
-        return np.zeros(like.shape[:-1])
-    return motion[frame.coordinate]

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from ..errors import ModelError, did_you_mean
 from ..types import Array
 from ..values import reals
+from .lengths import own_spans
 from .rig import Rig
 
 
@@ -42,7 +43,7 @@ def gather(
 
 def _known(rig: Rig, *mappings: Mapping[str, ArrayLike]) -> None:
     """Refuse names that are no coordinate of the rig, nor one that follows from them."""
-    following = [f"{r.name}.span{i}" for r in rig.ropes for i in range(1, len(r.path) - 1)]
+    following = [f"{r.name}.span{i}" for r in rig.ropes for i in own_spans(rig, r)]
     following += [f"{trolley.name}.{axis}" for trolley in rig.trolleys for axis in "xyz"]
     for name in (name for mapping in mappings for name in mapping):
         if name not in rig.coordinate_names and name not in following:

@@ -9,7 +9,21 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..types import Array
-from .rig import Rig
+from .rig import Rig, Rope
+
+
+def own_spans(rig: Rig, rope: Rope) -> list[int]:
+    """Numbers, from 1, of the spans whose lengths are coordinates: all but the last.
+
+    Where the rope runs over a free pulley's sheave to its end, all but the one before: the sheave
+    turns with the rope beyond it, whose length the outputs may say although nothing says yet where
+    the rope comes from.  What turns the sheave is then known, too, and the rig is flat.
+    """
+    last = len(rope.path) - 1
+    loads = [load.name for load in rig.loads]
+    free = any(sheave.at in loads and rope.after(sheave) == last - 1 for sheave in rope.sheaves)
+    left_out = last - 1 if free else last
+    return [i for i in range(1, last + 1) if i != left_out]
 
 
 def spans(rig: Rig, motion: Mapping[str, Array]) -> dict[str, Array]:

@@ -149,7 +149,8 @@ class Rope(_Part):
     """An inextensible rope from a winch at `path[0]` through points to its end at `path[-1]`.
 
     Coordinates: `NAME.length`, the whole length [m], and for a path of more than two points
-    `NAME.span1`, `NAME.span2`, ..., the lengths of all spans but the last.
+    `NAME.span1`, `NAME.span2`, ..., the lengths of all spans but one: the last, or the one before
+    it if the rope comes to its last span over a free pulley's sheave with inertia.
     """
 
     name: str

@@ -1,30 +1,36 @@
 """Random rigs with random moves, some of them wild; what is solved is judged by every road.
 
-What is refused is judged, too, where there is a closed form: a load below a trolley or jib can
-follow any path that stays below it and never falls freely, unless its foot meets the tower.
+What is refused is judged, too.  It is wrong to refuse
+
+- a path that a closed form, or the same rig from another home, follows (`closed_forms`, `homes`),
+- one for a rail's end that the trolley does not pass where rails are endless,
+- one that is smooth enough, for its smoothness,
+- a rig: all that are drawn are flat.
 """
 
+import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from ...feedforward import Reference, from_move
-from ...models import PathError, Rail, Rig, SmoothnessError
-from .case import EITHER, Case, Finding, case
+from ...feedforward import Motion, Reference, check, from_move, solve
+from ...models import FlatrigError, PathError, Rig, RigError, SmoothnessError
+from .case import EITHER, Case, Finding, case, worst
+from .closed_forms import NEAR, can_follow, order_needed
+from .forces import Seen
+from .homes import at_start
 from .random_moves import random_move
 from .random_rigs import random_rig
-from .solver_cases import followed
+from .solver_cases import judged
 
 SAMPLES = 151
-FINE = 4001
-"""Samples by which the closed form judges a path."""
-NEAR = 1e-3
-"""Where the closed form leaves it open: lift over gravity, height and foot over the path's size."""
-
-BELOW = ("trolley_crane", "roped_crane", "jib_crane")
-"""Kinds whose load hangs from a trolley or jib that moves level."""
-ENDLESS = Rail("endless", (1.0, 0.0, 0.0))
-"""What a jib moves on."""
+SURE = 1e-9
+"""Share of the largest tension, or input, that may be rounding."""
+ON_THE_WAY = "on the way from the rig's home"
+"""What a refusal says before a path has begun."""
+FINE = 2001
+"""Samples by which a trolley is looked for past the end of its rail."""
 
 
 def cases(rigs: int, seed: int) -> Iterator[Case]:
@@ -39,28 +45,121 @@ def random_case(seed: int, number: int) -> Finding:
     rng = np.random.default_rng([seed, number])
     rig = random_rig(rng)
     reference = from_move(random_move(rig, rng))
+    return followed_or_refused(rig, reference)
+
+
+def followed_or_refused(rig: Rig, reference: Reference) -> Finding:
+    """A motion judged, or a refusal.
+
+    Raises
+    ------
+    PathError, SmoothnessError
+        The path is refused, and rightly so as far as a second road can tell.
+    """
     try:
-        return followed(rig, reference, SAMPLES)
-    except SmoothnessError:
+        motion = _solved(rig, reference, SAMPLES)
+    except SmoothnessError as error:
+        if reference.order >= order_needed(rig):
+            return _wrong(f"refused what is smooth enough: {error}")
         raise
     except PathError as error:
-        if can_follow(rig, reference):
-            return Finding(np.inf, 0.0, f"refused what can be followed: {error}")
+        fault = _refused_wrongly(rig, reference, str(error))
+        if fault:
+            return _wrong(f"{fault}: {error}")
         raise
+    except RigError as error:
+        return _wrong(f"refused a flat rig: {error}")
+    if reference.order < order_needed(rig):
+        return _wrong("followed what is not smooth enough")
+    try:
+        return worst(judged(rig, reference, motion), _checked(rig, reference, motion))
+    except FlatrigError as error:
+        return _wrong(f"solved and then refused: {error}")
 
 
-def can_follow(rig: Rig, reference: Reference) -> bool:
-    """Whether a load below a trolley or jib certainly can follow a path; False where unknown."""
-    if rig.name not in BELOW or any(rail.direction[2] for rail in rig.rails):
-        return False
-    path, _, second = reference.derivatives(np.linspace(0.0, reference.duration, FINE), 2)
-    size = np.ptp(path, axis=0).max() + np.abs(path).max()
-    lift = second[:, -1] + rig.gravity
-    if lift.min() <= NEAR * rig.gravity or path[:, -1].max() >= -NEAR * size:
-        return False
-    turning = any(frame.kind == "turning" for frame in rig.frames)
-    foot = path[:, :-1] - path[:, -1:] / lift[:, None] * second[:, :-1]
-    place = np.linalg.norm(foot, axis=1) if turning else foot[:, 0]
-    rail = rig.rails[0] if rig.rails else ENDLESS
-    start = max(rail.start, 0.0) if turning else rail.start
-    return bool(place.min() > start + NEAR * size and place.max() < rail.end - NEAR * size)
+def _solved(rig: Rig, reference: Reference, samples: int) -> Motion:
+    return solve(rig, reference, np.linspace(0.0, reference.duration, samples))
+
+
+def _wrong(reason: str) -> Finding:
+    return Finding(math.inf, 0.0, reason)
+
+
+def _refused_wrongly(rig: Rig, reference: Reference, reason: str) -> str:
+    """What speaks against a refusal; nothing if nothing does.
+
+    Another home is tried where the way from this one is refused: once at the path's start both
+    are on the same branch.
+    """
+    if can_follow(rig, reference):
+        return "refused what a closed form follows"
+    endless = _endless(rig)
+    if endless != rig:
+        try:
+            motion = _solved(endless, reference, FINE)
+        except PathError:
+            rig = endless
+        else:
+            return _ends(rig, reference, motion)
+    other = at_start(rig, reference)
+    if other is not None and ON_THE_WAY in reason:
+        try:
+            _solved(other, reference, SAMPLES)
+        except PathError:
+            return ""
+        return "refused what another home follows"
+    return ""
+
+
+def _endless(rig: Rig) -> Rig:
+    rails = tuple(replace(rail, start=-math.inf, end=math.inf) for rail in rig.rails)
+    return replace(rig, rails=rails)
+
+
+def _ends(rig: Rig, reference: Reference, motion: Motion) -> str:
+    """What speaks against a refusal that endless rails take back."""
+    size = np.abs(motion.positions).max()
+    off = [name for name, beyond in _beyond(rig, motion).items() if beyond > -NEAR * size]
+    if not off:
+        return "refused for the end of a rail that is not reached"
+    told = check(rig, reference, SAMPLES / reference.duration).problems
+    if not any(problem.startswith(f"{name} would be at") for name in off for problem in told):
+        return f"{off[0]} passes the end of its rail, of which check says nothing"
+    return ""
+
+
+def _beyond(rig: Rig, motion: Motion) -> dict[str, float]:
+    """How far each trolley gets past the ends of its rail [m]."""
+    found = {}
+    for trolley in rig.trolleys:
+        rail, place = rig.rail(trolley.rail), motion.positions[:, motion.column(trolley.coordinate)]
+        found[trolley.name] = max(rail.start - float(place.min()), float(place.max()) - rail.end)
+    return found
+
+
+def _checked(rig: Rig, reference: Reference, motion: Motion) -> Finding:
+    """Whether `feedforward.check` says of a motion what its own numbers do."""
+    report = check(rig, reference, (SAMPLES - 1.5) / reference.duration)
+    seen, finite = (
+        Seen(motion),
+        [name for name, beyond in _beyond(rig, motion).items() if beyond > 0],
+    )
+    if report.motion is None:
+        return _wrong(f"solved, but check says: {report.obstructed}")
+    size = np.abs(seen.tensions).max(initial=0.0)
+    pushing = {
+        rope
+        for rope, tension in zip(rig.rope_names, seen.tensions.T, strict=True)
+        if tension.min() < -SURE * size
+    }
+    told = {part.rope for part in report.slack}
+    if not pushing <= told or any(
+        seen.tensions[:, rig.rope_names.index(rope)].min() > SURE * size for rope in told
+    ):
+        return _wrong(f"ropes {pushing} have to push, check says {told}")
+    largest = [part.largest for part in report.sizing]
+    error = np.abs(np.abs(motion.inputs).max(axis=0) - largest).max() / max(largest)
+    weak = bool((np.abs(motion.inputs).max(axis=0) > [d.limit for d in rig.drives]).any())
+    if report.feasible != (not (told or weak or finite)):
+        return _wrong(f"check says feasible: {report.feasible}, {'; '.join(report.problems)}")
+    return Finding(float(error), SURE, "sizing")

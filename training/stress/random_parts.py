@@ -39,6 +39,12 @@ class Dice:
         """Angle of a slope, steep but never upright [rad]."""
         return float(self.rng.uniform(-1.2, 1.2))
 
+    def ends(self, place: float) -> tuple[float, float]:
+        """Ends of a rail with a trolley at a place, or none [m]."""
+        if self.maybe(0.6):
+            return -math.inf, math.inf
+        return place - self.length(0.05, 1.0), place + self.length(0.05, 1.0)
+
     def rope(self, name: str, *path: str) -> Rope:
         """A rope with a winch of its own, perhaps sheaves and several falls."""
         sheaves = tuple(
@@ -46,7 +52,7 @@ class Dice:
             for point in path[1:-1]
             if self.maybe(0.3)
         )
-        falls = int(self.rng.integers(2, 7)) if self.maybe(0.15) else 1
+        falls = int(self.rng.integers(2, 7)) if self.maybe(0.25) else 1
         radius = self.decades(1e-2, 1e0)
         return Rope(name, path, radius, self.decades(1e-6, 1e2), sheaves, falls)
 

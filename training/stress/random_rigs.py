@@ -9,6 +9,7 @@ Lengths go over four decades, masses over six, the winches' J/r^2 over twelve.
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -35,7 +36,7 @@ def trolley_crane(dice: Dice) -> Rig:
         name="trolley_crane",
         dimensions=3 if frames else 2,
         frames=frames,
-        rails=(Rail("rail", direction, frame=owner),),
+        rails=(Rail("rail", direction, (0.0, 0.0, 0.0), owner, *dice.ends(out)),),
         masses=(Trolley("trolley", dice.mass(), "rail"), Load("load", dice.mass())),
         ropes=(dice.rope("hoist", "trolley", "load"),),
         drives=drives(*(part.name for part in frames), "trolley", "hoist"),
@@ -104,7 +105,7 @@ def deck_crane(dice: Dice) -> Rig:
         dimensions=2,
         frames=(Frame("deck", "sliding", dice.mass(), axis),),
         anchors=(top, Anchor("lug", (0.0, 0.0, 0.0), "deck")) if hung else (),
-        rails=(Rail("rail", along, frame="deck"),),
+        rails=(Rail("rail", along, (0.0, 0.0, 0.0), "deck", *dice.ends(out)),),
         masses=(Trolley("trolley", dice.mass(), "rail"), Load("load", dice.mass())),
         ropes=(*lift, dice.rope("hoist", "trolley", "load")),
         drives=drives("lift" if hung else "deck", "trolley", "hoist"),
@@ -118,15 +119,19 @@ def deck_crane(dice: Dice) -> Rig:
 
 
 def pulley_crane(dice: Dice) -> Rig:
-    """A load on a free pulley that three ropes hold, in a plane or on a turning boom."""
+    """A load on a free pulley, perhaps without mass, that three ropes hold from a boom."""
     turning = dice.maybe()
     low, middle, high = np.cumsum([dice.length(0.2, 1.0) for _ in range(3)]).tolist()
     angle = dice.rng.uniform(0.1, 1.4)
     along = (math.sin(angle), 0.0, math.cos(angle))
     places = {"low": low, "middle": middle, "high": high}
-    tip = middle * along[0]
+    tip = middle * along[0] + dice.length(-0.2, 0.2)
     drop = middle * along[2] - dice.length(0.2, 1.0)
     frames = (Frame("boom", "turning", dice.mass() * dice.size**2),) if turning else ()
+    mass = 0.0 if dice.maybe(0.25) else dice.decades(1e-4, 1e3)
+    hoist = dice.rope("hoist", "middle", "pulley", "load")
+    if not mass:  # then its sheave has no inertia either
+        hoist = replace(hoist, sheaves=())
     return Rig(
         name="pulley_crane",
         dimensions=3 if turning else 2,
@@ -139,10 +144,13 @@ def pulley_crane(dice: Dice) -> Rig:
             )
             for name, place in places.items()
         ),
-        masses=(Load("pulley", dice.decades(1e-4, 1e3)), Load("load", dice.mass())),
+        masses=(
+            Load("pulley", mass),
+            Load("load", dice.mass()),
+        ),
         ropes=(
             dice.rope("tagline", "low", "pulley"),
-            dice.rope("hoist", "middle", "pulley", "load"),
+            hoist,
             dice.rope("suspension", "high", "pulley"),
         ),
         drives=drives("tagline", "hoist", "suspension", *(part.name for part in frames)),

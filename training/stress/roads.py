@@ -16,16 +16,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...feedforward import Motion, Reference, equations_of, redundant, residuals, solve
-from ...models import Rig, Rope
+from ...models import Rig
 from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.rig_state import points
 from ...models.mjcf.simulate import accelerations
 from ...models.rig.chain import joint_names
-from ...models.rig.lengths import rope_lengths
+from ...models.rig.lengths import rope_lengths, spans
 from ...models.types import Array
+from .forces import Seen, few_of, model_of
 
-INSTANTS = 12
-"""Instants at which accelerations are compared."""
 FINER, DEPTH = 32, 5
 """A step in which a jump is suspected is divided so often, up to so many times over."""
 SMOOTH = 1e-3
@@ -42,7 +41,7 @@ def worst_residual(motion: Motion, reference: Reference) -> float:
 def from_equations(motion: Motion) -> float:
     """Accelerations of the index-1 equations under the motion's inputs, against the motion's."""
     equations = equations_of(motion.rig)
-    few = _few(motion)
+    few = few_of(motion)
     values, rates = (
         {name: table[few, motion.column(name)] for name in motion.rig.coordinate_names}
         for table in (motion.positions, motion.velocities)
@@ -66,10 +65,10 @@ def from_mujoco(motion: Motion) -> float:
     ModelError
         MuJoCo cannot hold the rig.
     """
-    rig, few = motion.rig, _few(motion)
+    rig, few = motion.rig, few_of(motion)
     if np.abs(motion.inputs[few]).max() >= mujoco.mjMAXVAL:
         return 0.0
-    model = mjcf.compile(rig, visuals=False)
+    model = model_of(rig)
     values, rates = (
         {name: table[few, motion.column(name)] for name in rig.coordinate_names}
         for table in (motion.positions, motion.velocities)
@@ -137,23 +136,12 @@ def allowance(motion: Motion) -> float:
     turns its tension; MuJoCo's point masses turn with their frame.
     """
     rig = motion.rig
-    spans = [_shortest(motion, rope) for rope in rig.ropes]
-    turned = np.finfo(float).eps * np.abs(motion.positions).max() / min(spans)
+    lengths = [float(span[0].min()) for span in spans(rig, Seen(motion).world).values()]
+    turned = np.finfo(float).eps * np.abs(motion.positions).max() / min(lengths)
     pulled = 1.0 + np.abs(motion.tensions).max() / rig.weight
     inertias = [frame.inertia for frame in rig.frames if frame.kind == "turning"]
     points = len(rig.masses) * mjcf.POINT_INERTIA / min(inertias, default=np.inf)
     return float(turned * pulled + points)
-
-
-def _shortest(motion: Motion, rope: Rope) -> float:
-    inner = [motion.column(f"{rope.name}.span{i}") for i in range(1, len(rope.path) - 1)]
-    spans = motion.positions[:, inner]
-    last = motion.positions[:, motion.column(rope.coordinate)] - spans.sum(axis=1)
-    return float(np.minimum(last / rope.falls, spans.min(axis=1, initial=np.inf)).min())
-
-
-def _few(motion: Motion) -> Array:
-    return np.unique(np.linspace(0, len(motion.times) - 1, INSTANTS).astype(int))
 
 
 def _relative(motion: Motion, error: Array, few: Array) -> float:

@@ -14,11 +14,14 @@ import numpy as np
 
 from ... import models
 from ...feedforward import Motion, Reference, from_move, rest_to_rest, solve
+from ...feedforward.exact.refusal import RAIL_TOLERANCE
 from ...models import Move, Rig
 from . import roads
 from .case import CORRECT, EITHER, REFUSED, Case, Finding, case, worst
+from .forces import Seen
+from .rates import drift
 
-RESIDUAL, ACCELERATION, CLOSED_FORM = 1e-9, 1e-6, 1e-9
+RESIDUAL, ACCELERATION, CLOSED_FORM, FORCE, DERIVATIVE = 1e-9, 1e-6, 1e-9, 1e-9, 1e-7
 """Relative tolerances: a few digits above what rounding leaves of each."""
 SAMPLES = 401
 """Samples of a path that is judged."""
@@ -63,13 +66,25 @@ def cases() -> Iterator[Case]:
 
 def judged(rig: Rig, reference: Reference, motion: Motion) -> Finding:
     """A motion by all roads that need no closed form."""
-    near = ACCELERATION + roads.allowance(motion)
-    return worst(
+    room = roads.allowance(motion)
+    near, seen = ACCELERATION + room, Seen(motion)
+    findings = [
         Finding(roads.worst_residual(motion, reference), RESIDUAL, "residual"),
-        Finding(roads.from_equations(motion), near, "acceleration, index-1 equations"),
-        Finding(roads.from_mujoco(motion), near, "acceleration, MuJoCo"),
         Finding(roads.jump(rig, reference, motion), roads.SMOOTH, "jump"),
-    )
+        Finding(drift(rig, reference, motion), DERIVATIVE, "rates"),
+        Finding(seen.winches(), FORCE + room, "tensions, winches"),
+        Finding(seen.bodies(), FORCE + room, "tensions and drives, free bodies"),
+        Finding(seen.slack(), FORCE + room, "slack"),
+        Finding(seen.off_rails(), RAIL_TOLERANCE, "rail ends"),
+    ]
+    if all(part.mass for part in rig.masses):  # or some acceleration is not determined
+        index_1 = roads.from_equations(motion)
+        findings.append(Finding(index_1, near, "acceleration, index-1 equations"))
+        findings += [
+            Finding(roads.from_mujoco(motion), near, "acceleration, MuJoCo"),
+            Finding(seen.inputs(), FORCE + room, "inputs, MuJoCo"),
+        ]
+    return worst(*findings)
 
 
 def followed(rig: Rig, reference: Reference, samples: int = SAMPLES) -> Finding:

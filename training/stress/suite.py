@@ -4,6 +4,12 @@
     flatrig stress --only pulley          # rows of the table whose name has it
     flatrig stress --resume               # go on where a run was interrupted
 
+A motion is judged by what the solver does not use: rates are integrated and compared with places
+(`rates`), forces are balanced body by body and in MuJoCo (`forces`), what is refused is compared
+with closed forms (`closed_forms`) and other homes (`homes`), and what `check` says with all of it.
+`random_rigs` draws every kind of part, frames in any direction, pulleys without mass, sheaves,
+several falls and rails that end.
+
 A case is correct within its stated tolerance, refused with a named error, or stopped with a named
 reason (`flatrig.training.stress.case`); the table counts them and says how near to its tolerance
 one came at most, and beside the largest stable time step found stands the one in theory.  Every

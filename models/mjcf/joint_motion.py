@@ -1,0 +1,76 @@
+"""From the motion of a rig's coordinates to that of its MuJoCo model's joints.
+
+A motion is one array whose first axis is the order of the derivative: position, velocity and,
+where needed, acceleration.  NumPy only.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..rig.chain import Link, joint_names, links
+from ..rig.rig import Frame, Platform, Rig, Trolley, Vector
+from ..rig.turning_axes import turn
+from ..types import Array
+
+
+def joint_motion(rig: Rig, motion: Mapping[str, Array]) -> Array:
+    """Motion of the joints (orders, N, nv) from that of all coordinates but ropes', (orders, N)."""
+    columns: dict[str, Array] = {}
+    place: dict[str, Array] = {}
+    for link in links(rig):
+        part = link.part
+        if isinstance(part, Frame):
+            columns[part.coordinate] = motion[part.coordinate]
+        elif isinstance(part, Trolley):
+            upper = sum(factor * columns[name] for name, factor in link.sums[:-1])
+            columns[part.coordinate] = motion[part.coordinate] - upper
+            place[part.name] = on_rail(rig, part, motion)
+        else:
+            world = np.zeros((*motion[f"{part.name}.x"].shape, 3))
+            for axis in rig.axes:
+                world[..., "xyz".index(axis)] = motion[f"{part.name}.{axis}"]
+            place[part.name] = turn(world, -angle_of(link.frame, motion, world))
+            relative = place[part.name] - free_base(link, motion, place)
+            for axis in rig.axes:
+                columns[f"{part.name}.{axis}"] = relative[..., "xyz".index(axis)]
+            if isinstance(part, Platform):
+                columns |= {name: motion[name] for name in part.angles}
+    return np.stack([columns[name] for name in joint_names(rig)], axis=-1)
+
+
+def on_rail(rig: Rig, trolley: Trolley, motion: Mapping[str, Array]) -> Array:
+    """Motion of a trolley in its frame's axes, (orders, N, 3)."""
+    rail = rig.rail(trolley.rail)
+    along = np.multiply.outer(motion[trolley.coordinate], np.asarray(rail.direction))
+    shift = shift_of(rig.frame(rail.frame), motion, along)
+    return np.asarray(along + shift + fixed(rail.origin, along))
+
+
+def free_base(link: Link, motion: Mapping[str, Array], place: Mapping[str, Array]) -> Array:
+    """Motion of what a free mass counts from, in its frame's axes, (orders, N, 3)."""
+    above = link.parent
+    if above is not None and not isinstance(above.part, Frame):
+        return place[above.name]
+    return shift_of(link.frame, motion, next(iter(motion.values()))[..., None])
+
+
+def shift_of(frame: Frame | None, motion: Mapping[str, Array], like: Array) -> Array:
+    """Motion of a sliding frame's origin; zero for others.  (orders, N, 3)"""
+    if frame is None or frame.kind != "sliding":
+        return np.zeros((*like.shape[:-1], 3))
+    return np.asarray(np.multiply.outer(motion[frame.coordinate], np.asarray(frame.axis)))
+
+
+def fixed(vector: Vector, like: Array) -> Array:
+    """A vector that does not move, (orders, N, 3)."""
+    constant = np.zeros((*like.shape[:-1], 3))
+    constant[0] = vector
+    return constant
+
+
+def angle_of(frame: Frame | None, motion: Mapping[str, Array], like: Array) -> Array:
+    """Motion of a turning frame's angle; zero for others.  (orders, N)"""
+    if frame is None or frame.kind != "turning":
+        return np.zeros(like.shape[:-1])
+    return motion[frame.coordinate]

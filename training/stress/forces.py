@@ -1,0 +1,258 @@
+"""Forces that a motion's places and accelerations ask for: judges of its inputs and tensions.
+
+    seen = Seen(motion)
+    seen.inputs()          # what MuJoCo says that the accelerations take
+    seen.winches()         # tensions, from each winch's equation
+    seen.bodies()          # tensions and drives, from the balance of every load, trolley and frame
+    seen.slack()           # intervals in which a rope would have to push
+
+Each is a relative error, and multipliers, with which the solver works, are used in none of them.
+"""
+
+from functools import cached_property, lru_cache
+
+import mujoco
+import numpy as np
+
+from ...feedforward import Motion
+from ...models.mjcf import rig_model as mjcf
+from ...models.mjcf.joint_motion import joint_motion
+from ...models.mjcf.rig_state import points
+from ...models.rig.chain import links
+from ...models.rig.lengths import rope_lengths, spans
+from ...models.rig.rig import Frame, Platform, Rig, Rope, Trolley
+from ...models.types import Array
+
+INSTANTS = 12
+"""Instants at which MuJoCo is asked."""
+
+
+def few_of(motion: Motion) -> Array:
+    """Numbers of some samples, the first and the last among them."""
+    return np.unique(np.linspace(0, len(motion.times) - 1, INSTANTS).astype(int))
+
+
+@lru_cache(maxsize=2)
+def model_of(rig: Rig) -> mujoco.MjModel:
+    """The bare model of a rig, made once for all that judges a motion.
+
+    Raises
+    ------
+    ModelError
+        MuJoCo cannot hold the rig.
+    """
+    return mjcf.compile(rig, visuals=False)
+
+
+class Seen:
+    """A motion at all its instants, by the names of its coordinates, inputs and ropes."""
+
+    def __init__(self, motion: Motion) -> None:
+        self.motion, self.rig = motion, motion.rig
+        orders = motion.positions, motion.velocities, motion.accelerations
+        self.joints = joint_motion(
+            self.rig,
+            {
+                name: np.stack([table[:, motion.column(name)] for table in orders])
+                for name in self.rig.coordinate_names
+            },
+        )
+        """Of the model's joints, (3, N, nv)."""
+
+    @cached_property
+    def world(self) -> dict[str, Array]:
+        """Motion of every point, (3, N, 3)."""
+        return points(self.rig, *self.joints)
+
+    def inputs(self) -> float:
+        """By how much the inputs miss what MuJoCo needs at some instants, over the forces' size.
+
+        Inputs from 1e10 on MuJoCo takes for a mistake: such a motion is not compared.
+
+        Raises
+        ------
+        ModelError
+            MuJoCo cannot hold the rig.
+        """
+        few = few_of(self.motion)
+        if np.abs(self.motion.inputs[few]).max() >= mujoco.mjMAXVAL:
+            return 0.0
+        model = model_of(self.rig)
+        data = mujoco.MjData(model)
+        mass = np.zeros((model.nv, model.nv))
+        missing, sizes = [], []
+        for i in few:
+            data.qpos[:], data.qvel[:] = self.joints[0, i], self.joints[1, i]
+            data.ctrl[:] = self.motion.inputs[i]
+            mujoco.mj_forward(model, data)
+            mujoco.mj_fullM(model, data, mass)
+            missing.append(mass @ (data.qacc - self.joints[2, i]))
+            sizes.append(np.abs(mass) @ np.abs(self.joints[2, i]) + np.abs(data.qfrc_bias))
+        pull = np.abs(self.motion.inputs[few]) @ np.abs(model.actuator_gear[:, 0])
+        size = np.array(sizes) + np.multiply.outer(pull, self._levers())
+        return _largest(np.array(missing), size)
+
+    def _levers(self) -> Array:
+        """How long a lever forces have on each joint, 1 if it slides, (nv,)."""
+        levers = []
+        for link in links(self.rig):
+            for name in link.joints:
+                lever = 1.0
+                if isinstance(link.part, Platform) and name in link.part.angles:
+                    corners = [a.position for a in self.rig.anchors if a.frame == link.name]
+                    lever = float(np.linalg.norm(corners, axis=1).max())
+                elif isinstance(link.part, Frame) and link.part.kind == "turning":
+                    lever = max(float(np.abs(place[0]).max()) for place in self.world.values())
+                levers.append(lever)
+        return np.array(levers)
+
+    @cached_property
+    def tensions(self) -> Array:
+        """Of the ropes at their winches from their own equations, T = (J/r^2) w'' - u/r."""
+        return np.stack([a + b for a, b in self._pulls], axis=1)
+
+    @property
+    def _pulls(self) -> list[tuple[Array, Array]]:
+        """What turns a winch faster, and what its torque takes."""
+        lengths = rope_lengths(self.rig, self.world)
+        torques = {drive.on: column for column, drive in enumerate(self.rig.drives)}
+        pulls = []
+        for rope in self.rig.ropes:
+            pull = np.zeros(len(self.motion.times))
+            if rope.name in torques:
+                pull = -self.motion.inputs[:, torques[rope.name]] / rope.drum_radius
+            pulls.append((rope.winch_inertia / rope.drum_radius**2 * lengths[rope.name][2], pull))
+        return pulls
+
+    def winches(self) -> float:
+        """By how much tensions miss their winches' equations, over the forces in these."""
+        size = np.stack([np.abs(a) + np.abs(b) for a, b in self._pulls], axis=1)
+        return _largest(self.motion.tensions - self.tensions, size)
+
+    def bodies(self) -> float:
+        """By how much tensions and drives miss what moves each part, over the forces' size."""
+        pulls, sizes = self._on_points()
+        worst, still = (
+            0.0,
+            (np.zeros((len(self.motion.times), 3)), np.zeros(len(self.motion.times))),
+        )
+        pushed = {}
+        for part in self.rig.masses:
+            second = self.world[part.name][2]
+            own = [part.name, *(a.name for a in self.rig.anchors if a.frame == part.name)]
+            missing = sum((pulls.get(name, still[0]) for name in own), still[0])
+            missing = missing - part.mass * (second + np.array((0.0, 0.0, self.rig.gravity)))
+            size = sum((sizes.get(name, still[1]) for name in own), still[1])
+            size = size + part.mass * (np.linalg.norm(second, axis=1) + self.rig.gravity)
+            if isinstance(part, Trolley):
+                pushed[part.name] = missing, size
+                missing, size = self._along(part, missing, size)
+            worst = max(worst, _largest(missing, size[:, None]))
+        for anchor in self.rig.anchors:
+            if anchor.name in pulls:
+                pushed[anchor.name] = pulls[anchor.name], sizes[anchor.name]
+        return max(worst, *(self._frame(frame, pushed) for frame in self.rig.frames), 0.0)
+
+    def _frame(self, frame: Frame, pushed: dict[str, tuple[Array, Array]]) -> float:
+        """The same of a frame, from the forces on its anchors and of its trolleys."""
+        rails = {rail.name for rail in self.rig.rails if rail.frame == frame.name}
+        own = [trolley.name for trolley in self.rig.trolleys if trolley.rail in rails]
+        own += [a.name for a in self.rig.anchors if a.frame == frame.name and a.name in pushed]
+        second = self.motion.accelerations[:, self.motion.column(frame.coordinate)]
+        missing, size = -frame.inertia * second, frame.inertia * np.abs(second)
+        axis = np.array(frame.axis)
+        if frame.kind == "sliding":
+            missing = missing - frame.inertia * self.rig.gravity * axis[2]
+            size = size + frame.inertia * self.rig.gravity * abs(axis[2])
+        for name in own:
+            force, pull = pushed[name]
+            lever = 1.0
+            if frame.kind == "sliding":
+                missing = missing + force @ axis
+            else:
+                x, y, _ = self.world[name][0].T
+                lever = np.hypot(x, y)
+                missing = missing + x * force[:, 1] - y * force[:, 0]
+            size = size + lever * pull
+        return _largest(*self._driven(frame.name, missing, size))
+
+    def _driven(self, part: str, missing: Array, size: Array) -> tuple[Array, Array]:
+        """A force that a part misses, and the forces' size, with what its drive gives."""
+        for column, drive in enumerate(self.rig.drives):
+            if drive.on == part:
+                missing = missing + self.motion.inputs[:, column]
+                size = size + np.abs(self.motion.inputs[:, column])
+        return missing, size
+
+    def _along(self, trolley: Trolley, missing: Array, size: Array) -> tuple[Array, Array]:
+        """The part of a force that the rail does not carry, and the drive."""
+        rail = self.rig.rail(trolley.rail)
+        frame = self.rig.frame(rail.frame)
+        x, y, z = rail.direction
+        angle = np.zeros(len(self.motion.times))
+        if frame is not None and frame.kind == "turning":
+            angle = self.motion.positions[:, self.motion.column(frame.coordinate)]
+        cos, sin = np.cos(angle), np.sin(angle)
+        along = np.stack([x * cos - y * sin, x * sin + y * cos, np.full_like(cos, z)], axis=1)
+        force, size = self._driven(trolley.name, (missing * along).sum(axis=1), size)
+        return force[:, None], size
+
+    def _on_points(self) -> tuple[dict[str, Array], dict[str, Array]]:
+        """Pull of all ropes on each point (N, 3), and the sum of its magnitudes (N,)."""
+        pulls: dict[str, Array] = {}
+        sizes: dict[str, Array] = {}
+        lengths = spans(self.rig, self.world)
+        for column, rope in enumerate(self.rig.ropes):
+            tension = self.motion.tensions[:, column]
+            for k in range(len(rope.path) - 1):
+                tension = tension + _sheave(rope, k, lengths[rope.name][2])
+                before, after = rope.path[k], rope.path[k + 1]
+                pull = tension * (rope.falls if k == len(rope.path) - 2 else 1)
+                step = self.world[after][0] - self.world[before][0]
+                force = (pull / lengths[rope.name][0, :, k])[:, None] * step
+                for name, sign in ((before, 1.0), (after, -1.0)):
+                    pulls[name] = pulls.get(name, 0.0) + sign * force
+                    sizes[name] = sizes.get(name, 0.0) + np.abs(pull)
+        return pulls, sizes
+
+    def off_rails(self) -> float:
+        """How far trolleys are past the ends of their rails [m]."""
+        beyond = 0.0
+        for trolley in self.rig.trolleys:
+            rail = self.rig.rail(trolley.rail)
+            place = self.motion.positions[:, self.motion.column(trolley.coordinate)]
+            beyond = max(beyond, rail.start - place.min(), place.max() - rail.end)
+        return float(beyond)
+
+    def slack(self) -> float:
+        """The largest tension whose sign the motion's intervals of slack tell wrongly, relative."""
+        times = self.motion.times
+        size = np.stack([np.abs(a) + np.abs(b) for a, b in self._pulls], axis=1)
+        wrong = 0.0
+        for column, rope in enumerate(self.rig.ropes):
+            told = np.zeros(len(times), dtype=bool)
+            for part in self.motion.slack:
+                if part.rope == rope.name:
+                    told |= (part.start <= times) & (times <= part.end)
+            tension = self.tensions[:, column]
+            lie = told != (tension < 0)
+            wrong = max(wrong, _largest(tension[lie], size[lie, column]))
+        return wrong
+
+
+def _sheave(rope: Rope, k: int, accelerations: Array) -> Array:
+    """What the sheave before span k adds to the tension: its inertia times the rope's acceleration.
+
+    Accelerations of the lengths of the spans are (N, spans).
+    """
+    beyond = accelerations[:, k:-1].sum(axis=1) + rope.falls * accelerations[:, -1]
+    shares = [
+        s.inertia / s.radius**2 for s in rope.sheaves if k and rope.path[1:].index(s.at) + 1 == k
+    ]
+    return np.asarray(sum(shares) * beyond)
+
+
+def _largest(error: Array, size: Array) -> float:
+    """The largest error over its size, where either is not zero."""
+    share = np.divide(np.abs(error), size, out=np.zeros_like(error), where=size > 0)
+    return float(share.max(initial=0.0))
