@@ -201,10 +201,10 @@ def redundant(
         chords = [equations.points[b] - equations.points[a] for a, b in pairwise(rope.path)]
         spans = [_distance(chord, q, v) for chord in chords]
         last = rope.falls * spans[-1][0], rope.falls * spans[-1][1]
-        whole = np.sum([*spans[:-1], last], axis=0)
+        whole, length = np.sum([*spans[:-1], last], axis=0), equations.names.index(rope.coordinate)
         for k, span in zip(constraints, spans, strict=True):
             i = equations.roles[k].coordinate
-            q[..., i], v[..., i] = whole if equations.names[i] == rope.coordinate else span
+            q[..., i], v[..., i] = whole if i == length else span
     return q, v
 
 

@@ -65,6 +65,7 @@ def below(rig: Rig, reference: Reference) -> bool:
     if turning and along[2]:
         return False
     origin = np.array(rail.origin if rail is not None else rig.anchors[0].position)
+    start, end = (rail.start, rail.end) if rail is not None else (-math.inf, math.inf)
     across = np.array((0.0, 1.0, 0.0))
     if rig.name == "deck_crane":
         origin = origin + np.multiply.outer(path[:, 2], np.array(rig.frames[0].axis))
@@ -79,11 +80,10 @@ def below(rig: Rig, reference: Reference) -> bool:
     foot = place + (depth / lift)[:, None] * force - origin
     if turning:
         reach = np.linalg.norm(foot[:, :2], axis=1)
-        start, end = max(rail.start, 0.0), rail.end
+        start = max(start, 0.0)
     else:
         basis = np.stack([along, across], axis=1)
         reach = np.linalg.lstsq(basis, foot.T, rcond=None)[0][0]
-        start, end = (rail.start, rail.end) if rail is not None else (-math.inf, math.inf)
     return bool(reach.min() > start + NEAR * size and reach.max() < end - NEAR * size)
 
 

@@ -13,6 +13,9 @@ import numpy as np
 from ...feedforward import Reference
 from ...models import Rig
 from ...models.errors import RigError
+from ...models.values import Vector
+
+Places = dict[str, float | Vector]
 
 
 def at_start(rig: Rig, reference: Reference) -> Rig | None:
@@ -30,7 +33,7 @@ def at_start(rig: Rig, reference: Reference) -> Rig | None:
         return None
 
 
-def _gantry(rig: Rig, start: dict[str, float]) -> dict[str, object] | None:
+def _gantry(rig: Rig, start: dict[str, float]) -> Places | None:
     """The platform upright where the path begins, below its trolleys."""
     x, y, z = (start[f"platform.{axis}"] for axis in "xyz")
     if z >= 0:
@@ -40,7 +43,7 @@ def _gantry(rig: Rig, start: dict[str, float]) -> dict[str, object] | None:
     return {**places, "gantry": y, "platform": (x, y, z)}
 
 
-def _pulley(rig: Rig, start: dict[str, float]) -> dict[str, object] | None:
+def _pulley(rig: Rig, start: dict[str, float]) -> Places | None:
     """Pulley and load straight below one another, in the plane of the boom."""
     place = np.array([start["load.x"], start.get("load.y", 0.0)])
     level, low = start["pulley.z"], start["load.z"]
@@ -49,11 +52,12 @@ def _pulley(rig: Rig, start: dict[str, float]) -> dict[str, object] | None:
         return None
     angle = float(np.arctan2(place[1], place[0]))
     boom = {"boom": angle} if rig.frames else {}
-    return {**boom, "pulley": (*place, level), "load": (*place, low)}
+    x, y = place.tolist()
+    return {**boom, "pulley": (x, y, level), "load": (x, y, low)}
 
 
 def _own(rig: Rig) -> tuple[float, float]:
-    x, _, z = rig.home["pulley"]
+    x, _, z = rig.home_point("pulley")
     return x, z
 
 
