@@ -25,6 +25,7 @@ from .planning.bisector import Beside, Bisected, beside, bisected, massless
 from .planning.feasibility import Feasibility, Sizing, check, driven_unit
 from .planning.obstacles import Box, Clearance, Sphere, clearance
 from .planning.timing import Scaled, Shortest, scaled, shortest_duration
+from .planning.uncertainty import input_uncertainty
 from .stability.energy import Regulator
 
 __all__ = [
@@ -62,6 +63,7 @@ __all__ = [
     "from_csv",
     "from_move",
     "hold",
+    "input_uncertainty",
     "integrate",
     "massless",
     "over",

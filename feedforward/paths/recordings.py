@@ -7,22 +7,23 @@ A spline of degree 2n+1 with n vanishing derivatives at both ends joins to rest 
 derivatives.  A few points it interpolates.  A recording of hundreds or thousands of points it must
 not: the fourth derivative of a spline with a knot at every millisecond is nothing but rounding,
 1e-16 m / (1e-3 s)^4.  So the knots are a subset of the samples, the spline is the least-squares one
-on them, and the coarsest subset is taken that leaves no point further away than `tolerance`; finer
-ones only as long as each doubling brings the points several times closer, that is down to the
-data's own noise.  If nothing coarser will do, the spline goes through every point exactly, but a
-recording that scatters by more than `tolerance` is refused: give it the tolerance it needs.
+on them, and of the subsets that leave no point further away than `tolerance` the one is taken whose
+derivative n is known best, for the inputs need that (see `fitting`).  If no coarser subset leaves
+the points within the tolerance, the spline goes through every point exactly, but a recording that
+scatters by more than that is refused: give it the tolerance it needs.
+
+However close the points are, their highest derivative is not: 1e-12 m in 0.01 s are 1e-4 m/s4.
+`input_uncertainty` says what that costs, by solving for `rivals` of the path, too.
 
 Limits: the path starts and ends at rest whatever the points say there, so a recording should
 begin and end at rest.
 """
 
-import csv
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike, fspath
-from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -30,12 +31,16 @@ from scipy.interpolate import BSpline
 from ...models.errors import PathError
 from ...models.types import Array
 from ...models.values import as_number
-from ..checks import LARGEST, check_duration, check_order, check_times
+from ..checks import check_duration, check_order
+from .csv_points import as_table, check_table, read_rows
+from .fitting import Fit, fit
 from .reference import ReferencePath
-from .splines import fit
 
 HIGHEST_ORDER = 10
 """Of a sampled path: the conditioning of B-splines of degree 21 still leaves nine digits."""
+
+RECORDED = 20
+"""So many points and more may be samples of another path, which the spline misses."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +66,7 @@ class SampledPath(ReferencePath):
 
     def __post_init__(self) -> None:
         check_order("order", self.order, highest=HIGHEST_ORDER)
-        _check_table(*_table(self.times, self.points), lambda index: f"point {index}")
+        check_table(*as_table(self.times, self.points), lambda index: f"point {index}")
         check_duration(self.duration)
         if not 0 <= as_number(self.tolerance) < math.inf:
             raise PathError(f"tolerance is {self.tolerance!r}, it must be finite and >= 0")
@@ -103,30 +108,83 @@ class SampledPath(ReferencePath):
         values = self._spline(self._spline_times(np.array(self.times) - self.times[0]))
         return float(np.abs(values - np.array(self.points)).max())
 
+    @property
+    def rivals(self) -> tuple["Rival", ...]:
+        """Paths that the points allow as well: one for the bias, then those with more noise.
+
+        None for a few points, between which the path is what it is.
+        """
+        if len(self.points) < RECORDED:
+            return ()
+        return tuple(Rival(self, number) for number in range(1 + len(self._fit.noise)))
+
     @cached_property
     def _scale(self) -> float:
         """Mean spacing of the points [s], the spline's unit of time, for conditioning."""
         return self.duration / (len(self.times) - 1)
 
     @cached_property
-    def _spline(self) -> BSpline:
+    def _fit(self) -> Fit:
         times = self._spline_times(np.array(self.times) - self.times[0])
         return fit(times, np.array(self.points), self.order, self.tolerance)
+
+    @property
+    def _spline(self) -> BSpline:
+        return self._fit.spline
 
     def _spline_times(self, times: Array) -> Array:
         return times / self._scale
 
     def _derivatives(self, times: Array, order: int) -> Array:
-        result = np.zeros((order + 1, len(times), self.size))
-        outside = (times < 0) | (times > self.duration)
-        spline_times = self._spline_times(np.clip(times, 0.0, self.duration))
-        for k in range(min(order, self._spline.k) + 1):
-            result[k] = self._spline(spline_times, nu=k) / self._scale**k
-            if k > 0:
-                result[k, outside] = 0.0
+        result = self._along(self._spline, times, order)
         result[0, times <= 0] = self.points[0]
         result[0, times >= self.duration] = self.points[-1]
         return result
+
+    def _along(self, spline: BSpline, times: Array, order: int) -> Array:
+        """Derivatives of a spline over the path's times, at rest outside."""
+        result = np.zeros((order + 1, len(times), self.size))
+        outside = (times < 0) | (times > self.duration)
+        spline_times = self._spline_times(np.clip(times, 0.0, self.duration))
+        for k in range(min(order, spline.k) + 1):
+            result[k] = spline(spline_times, nu=k) / self._scale**k
+            if k > 0:
+                result[k, outside] = 0.0
+        return result
+
+    def _other(self, number: int, times: Array, order: int) -> Array:
+        """Derivatives of the rival of a number."""
+        derivatives = self._derivatives(times, order)
+        if number:
+            return derivatives + self._along(self._fit.noise[number - 1], times, order)
+        away = self._along(self._fit.rival, times, order) - self._along(self._spline, times, order)
+        return np.asarray(derivatives + self._fit.weight * away)
+
+
+@dataclass(frozen=True)
+class Rival(ReferencePath):
+    """A path that is as good as a sampled one, see `SampledPath.rivals`."""
+
+    path: SampledPath
+    number: int
+
+    @property
+    def order(self) -> int:
+        """Number of continuous derivatives."""
+        return self.path.order
+
+    @property
+    def duration(self) -> float:
+        """As of the path [s]."""
+        return self.path.duration
+
+    @property
+    def size(self) -> int:
+        """Number of columns."""
+        return self.path.size
+
+    def _derivatives(self, times: Array, order: int) -> Array:
+        return self.path._other(self.number, times, order)
 
 
 def sampled(
@@ -153,7 +211,7 @@ def sampled(
     PathError
         See `SampledPath`.
     """
-    row, table = _table(times, points)
+    row, table = as_table(times, points)
     return SampledPath(tuple(row.tolist()), tuple(map(tuple, table.tolist())), order, tolerance)
 
 
@@ -181,7 +239,7 @@ def from_csv(
         names line and column.
     """
     name = fspath(path)
-    lines, rows = _read(name)
+    lines, rows = read_rows(name)
     if len(rows) < 2:
         raise PathError(f"{name} has {len(rows)} point(s), a path needs 2 or more")
     width = len(rows[0])
@@ -193,77 +251,5 @@ def from_csv(
             raise PathError(f"{name} line {line} has {len(row)} columns, the first has {width}")
     table = np.array(rows)
     times, points = table[:, 0], table[:, 1:]
-    _check_table(times, points, lambda index: f"{name} line {lines[index]}")
+    check_table(times, points, lambda index: f"{name} line {lines[index]}")
     return sampled(times, points, order, tolerance)
-
-
-def _read(name: str) -> tuple[list[int], list[list[float]]]:
-    """Line numbers and rows of numbers, without header and empty lines."""
-    lines: list[int] = []
-    rows: list[list[float]] = []
-    try:
-        with Path(name).open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file)
-            header_allowed = True
-            for row in reader:
-                cells = [cell.strip() for cell in row]
-                if not any(cells):
-                    continue
-                numbers = [_parse(cell) for cell in cells]
-                first, header_allowed = header_allowed, False
-                if first and all(number is None for number in numbers):
-                    continue
-                for column, (cell, number) in enumerate(zip(cells, numbers, strict=True), 1):
-                    if number is None:
-                        raise PathError(
-                            f"{name} line {reader.line_num}, column {column} is {cell!r}, "
-                            "it must be a number"
-                        )
-                lines.append(reader.line_num)
-                rows.append([number for number in numbers if number is not None])
-    except OSError as error:
-        raise PathError(f"cannot read {name}: {error.strerror or error}") from None
-    except (UnicodeDecodeError, csv.Error):
-        raise PathError(f"{name} is not a CSV file, its lines must be numbers and commas") from None
-    return lines, rows
-
-
-def _parse(cell: str) -> float | None:
-    try:
-        return float(cell)
-    except ValueError:
-        return None
-
-
-def _table(times: object, points: object) -> tuple[Array, Array]:
-    """Times (N,) and points (N, size) as arrays of these shapes."""
-    row = check_times(times)
-    try:
-        table = np.asarray(points, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise PathError("points must be numbers, of shape (N, size)") from None
-    if table.ndim != 2 or table.shape[0] != len(row) or table.shape[1] == 0:
-        raise PathError(
-            f"points have shape {table.shape}, for {len(row)} times they need shape "
-            f"({len(row)}, number of outputs)"
-        )
-    return row, table
-
-
-def _check_table(times: Array, points: Array, label: Callable[[int], str]) -> None:
-    """Two rows or more, no number infinite or absurdly large, times increasing.
-
-    `label` names a row.
-    """
-    if len(times) < 2:
-        raise PathError(f"the path has {len(times)} point(s), it needs 2 or more")
-    table = np.column_stack([times, points])
-    for index, column in np.argwhere(~(np.abs(table) <= LARGEST))[:1]:
-        value = table[index, column]
-        rule = f"within +-{LARGEST:g}" if math.isfinite(value) else "finite"
-        raise PathError(f"{label(index)}, column {column + 1} is {value:g}, it must be {rule}")
-    for index in np.flatnonzero(np.diff(times) <= 0)[:1] + 1:
-        raise PathError(
-            f"{label(index)}: time {times[index]:g} s follows {times[index - 1]:g} s, "
-            "times must increase"
-        )

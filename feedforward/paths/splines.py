@@ -1,4 +1,4 @@
-"""The spline of a sampled path: from rest to rest, with as few knots as the points allow.
+"""The splines along points that a sampled path chooses from: from rest to rest, coarse and fine.
 
 B-splines of degree 2n+1 on clamped knots have n vanishing derivatives at an end exactly when the
 first, or last, n+1 coefficients are equal.  With those put in place, m pieces leave m-1 unknown
@@ -15,85 +15,9 @@ from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 from ...models.errors import PathError
 from ...models.types import Array
 
-WORTHWHILE = 8.0
-"""A doubling of the pieces that brings the points less than this closer follows their noise.  A
-smooth path gains 2^(2n+2), one with a jump in derivative n+1 still 2^(n+1)."""
-
-ROUNDING = 8 * np.finfo(float).eps
-"""Relative deviation that nothing improves."""
-
-RECORDING = 100
-"""So many points and more are a recording of something smooth, not points to pass through."""
-
 REFINEMENTS = 2
 """Corrections of the normal equations' solution: they square the B-splines' condition number,
 up to 1e4 for degree 9, and each correction takes that back."""
-
-
-def fit(times: Array, points: Array, order: int, tolerance: float) -> BSpline:
-    """The spline along points that pieces as few as possible bring within the tolerance.
-
-    Parameters
-    ----------
-    times
-        Shape (N,), increasing, spaced by about 1 for conditioning.
-    points
-        Shape (N, size).
-    order
-        N, number of vanishing derivatives at both ends; the degree is 2n+1.
-    tolerance
-        Largest deviation of a point's coordinate.  Doubling goes on below it as long
-        as it is worthwhile.
-
-    Returns
-    -------
-    BSpline
-        A spline with values of shape (size,).  It interpolates if nothing coarser will do.
-
-    Raises
-    ------
-    PathError
-        A recording scatters by more than the tolerance.
-    """
-    best: BSpline | None = None
-    smallest = ROUNDING * float(np.abs(points).max())
-    deviations: list[float] = []
-    pieces = 1
-    while pieces < len(times) - 1:
-        spline = least_squares(times, points, order, pieces)
-        pieces *= 2
-        if spline is None:
-            continue
-        deviations.append(float(np.abs(spline(times) - points).max()))
-        if best is not None and deviations[-1] * WORTHWHILE > deviations[-2]:
-            return best
-        if deviations[-1] <= max(tolerance, smallest):
-            best = spline
-        if deviations[-1] <= smallest:
-            return spline
-    if best is not None:
-        return best
-    if tolerance > 0 and len(times) >= RECORDING:
-        _refuse_scatter(deviations, tolerance)
-    return interpolate(times, points, order)
-
-
-def _refuse_scatter(deviations: list[float], tolerance: float) -> None:
-    """Refuse points that more pieces come no closer to.
-
-    Raises
-    ------
-    PathError
-        The last doublings of the pieces were not worthwhile.
-    """
-    resolved = len(deviations) - 1
-    while resolved > 0 and deviations[resolved] * WORTHWHILE > deviations[resolved - 1]:
-        resolved -= 1
-    if resolved < len(deviations) - 1:
-        raise PathError(
-            f"the points scatter by about {deviations[resolved]:.1g} around any smooth path, more "
-            f"than the tolerance {tolerance:g}: pass tolerance >= {1.5 * deviations[resolved]:.1g}"
-        )
 
 
 def interpolate(times: Array, points: Array, order: int) -> BSpline:

@@ -31,6 +31,7 @@ from ..exact.problem import problem_of
 from ..exact.refusal import RAIL_TOLERANCE, accept_columns
 from ..paths.consistency import verify_reference
 from ..paths.reference import Reference, ReferencePath
+from .uncertainty import endless, input_uncertainty
 
 LEAST_SAMPLES, MOST_SAMPLES = 101, 1_000_000
 """Of a move however short; more than the second is taken for a slip of the finger."""
@@ -60,6 +61,8 @@ class Sizing:
     """Largest power that the drive delivers [W]."""
     braking: float
     """Largest power that it takes up [W]."""
+    uncertain: float = 0.0
+    """How far the input may be off because the path is a sampled one [unit], about."""
 
     @property
     def within(self) -> bool:
@@ -161,8 +164,7 @@ def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
     """
     accept_columns(rig, reference)
     # A rig off its rails is refused by `solve`; with endless ones the rest is looked at as well.
-    endless = tuple(replace(rail, start=-math.inf, end=math.inf) for rail in rig.rails)
-    unbounded = replace(rig, rails=endless)
+    unbounded = endless(rig)
     needed = problem_of(unbounded).analysis.reference_order
     times = instants(reference.duration, rate)
     problems = []
@@ -181,7 +183,7 @@ def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
     except PathError as error:
         problems.append(str(error))
         return Feasibility(rig, reference, needed, tuple(problems), str(error), None, (), ())
-    sizing = tuple(_sizing(motion, i) for i in range(len(rig.drives)))
+    sizing = _sizings(motion, path)
     problems += _off_rails(motion)
     problems += [str(part) for part in motion.slack]
     problems += _slack_at_rest(motion)
@@ -218,6 +220,16 @@ def instants(duration: float, rate: float) -> Array:
             f"it must be <= {MOST_SAMPLES / duration:g} Hz"
         )
     return np.linspace(0.0, duration, max(LEAST_SAMPLES, math.ceil(duration * number) + 1))
+
+
+def _sizings(motion: Motion, reference: Reference) -> tuple[Sizing, ...]:
+    """What the move asks of each drive, and how certain that is."""
+    uncertain = input_uncertainty(motion, reference)
+    sizing = (_sizing(motion, i) for i in range(len(motion.rig.drives)))
+    if uncertain is None:
+        return tuple(sizing)
+    pairs = zip(sizing, uncertain.tolist(), strict=True)
+    return tuple(replace(part, uncertain=value) for part, value in pairs)
 
 
 def _sizing(motion: Motion, i: int) -> Sizing:

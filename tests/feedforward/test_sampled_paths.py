@@ -5,10 +5,25 @@ import re
 import numpy as np
 import pytest
 
-from flatrig.feedforward import from_csv, from_move, rest_to_rest, sampled
+from flatrig import models
+from flatrig.feedforward import (
+    along,
+    beside,
+    check,
+    from_csv,
+    from_move,
+    input_uncertainty,
+    rest_to_rest,
+    sampled,
+    scaled,
+    solve,
+    three_phase,
+)
 from flatrig.feedforward.paths.recordings import SampledPath
+from flatrig.feedforward.paths.splines import least_squares
 from flatrig.models.errors import PathError
 from flatrig.models.rig.move import Move
+from flatrig.training.cli import main
 
 START, GOAL = (0.0, -4.0), (5.0, -1.0)
 
@@ -69,6 +84,91 @@ def test_noisy_recording_needs_a_tolerance():
     spline = sampled(times, points, tolerance=1e-3)
     error = spline.derivatives(times, 4) - path.derivatives(times, 4)
     assert np.abs(error[0]).max() < 1e-12
+
+
+def recording(path, rate, noise):
+    """Points of a path at a rate [Hz], with noise of a standard deviation [m]."""
+    times = np.linspace(0, path.duration, round(path.duration * rate) + 1)
+    scatter = noise * np.random.default_rng(7).standard_normal((len(times), path.size))
+    return times, path(times) + scatter
+
+
+RECORDED = {
+    "three-phase": three_phase(START, GOAL, 6.0, blend=1.3),
+    "rest to rest": rest_to_rest(START, GOAL, 3.0, order=9),
+    "curve": along((START, (2, -3.5), (3, -3), (4, -2), GOAL), 9.0, order=6),
+}
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-6, 1e-4])
+@pytest.mark.parametrize("rate", [50, 500])
+@pytest.mark.parametrize("name", RECORDED)
+def test_what_a_recording_costs_in_the_inputs_is_known(name, rate, noise):
+    """Against the inputs of the path that was recorded: never far too little, seldom too much."""
+    path, rig = RECORDED[name], models.overhead_crane()
+    spline = sampled(*recording(path, rate, noise), tolerance=max(1e-6, 7 * noise))
+    times = np.linspace(0, path.duration, 1001)
+    truth, motion = solve(rig, path, times), solve(rig, spline, times)
+    error = np.abs(motion.inputs - truth.inputs).max(axis=0)
+    largest = np.abs(truth.inputs).max(axis=0)
+    estimate = input_uncertainty(motion, spline)
+    assert (estimate >= error / 3).all()
+    assert (estimate <= 4 * error + 0.03 * largest).all()
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-6, 1e-4])
+@pytest.mark.parametrize("rate", [50, 500])
+@pytest.mark.parametrize("name", RECORDED)
+def test_knots_are_chosen_for_the_highest_derivative(name, rate, noise):
+    """Hardly any other number of pieces would have been better, judged by the path itself."""
+    path = RECORDED[name]
+    times, points = recording(path, rate, noise)
+    moments = np.linspace(0, path.duration, 2001)
+    truth = path.derivatives(moments, 4)[4]
+
+    def error(derivative):
+        return np.abs(derivative - truth).max() / np.abs(truth).max()
+
+    chosen = error(
+        sampled(times, points, tolerance=max(1e-6, 7 * noise)).derivatives(moments, 4)[4]
+    )
+    pieces = np.unique(np.geomspace(4, len(times) - 1, 16).round().astype(int))
+    others = [least_squares(rate * times, points, 4, count) for count in pieces]
+    best = min(error(rate**4 * spline(rate * moments, nu=4)) for spline in others)
+    assert chosen <= 5 * best + 1e-6
+
+
+def test_only_recordings_are_uncertain(tmp_path):
+    rig, path = models.overhead_crane(), RECORDED["three-phase"]
+    times = np.linspace(0, 6, 301)
+    few = sampled((0.0, 2.0, 4.0, 6.0), ((0, -4), (2, -3), (3, -2), (5, -1)))
+    for known in (path, few, scaled(path, 7.0)):
+        assert input_uncertainty(solve(rig, known, times), known) is None
+        assert all(part.uncertain == 0 for part in check(rig, known).sizing)
+    recorded = sampled(*recording(path, 50, 0.0))
+    motion = solve(rig, recorded, times)
+    uncertain = input_uncertainty(motion, recorded)
+    assert [part.uncertain for part in check(rig, recorded, rate=50).sizing] == list(uncertain)
+    slow = scaled(recorded, 12.0)
+    slower = input_uncertainty(solve(rig, slow, 2 * times), slow)
+    assert 12 < uncertain[0] / slower[0] < 17  # as the fourth derivative, 2^4
+    columns = beside(
+        sampled(recorded.times, np.array(recorded.points)[:, :1]), rest_to_rest([-4], [-1], 6.0)
+    )
+    assert input_uncertainty(solve(rig, columns, times), columns)[0] > 0
+
+
+@pytest.mark.parametrize("command", ["solve", "analyse"])
+def test_commands_say_what_a_recording_costs(command, tmp_path, monkeypatch, capsys):
+    times, points = recording(RECORDED["three-phase"], 50, 0.0)
+    np.savetxt(tmp_path / "path.csv", np.column_stack((times, points)), delimiter=",")
+    (tmp_path / "move.toml").write_text('[move]\nprofile = "sampled"\nsamples = "path.csv"\n')
+    monkeypatch.chdir(tmp_path)
+    assert main([command, "overhead", "--move", "move.toml"]) == 0
+    said = re.search(r"inputs uncertain by about: trolley (\S+) N, winch", capsys.readouterr().out)
+    assert 1 < float(said[1]) < 15
+    assert main([command, "overhead"]) == 0
+    assert "uncertain" not in capsys.readouterr().out
 
 
 # CSV files

@@ -76,6 +76,7 @@ def feasibility_facts(report: Feasibility) -> dict[str, Any]:
                 "speed_unit": "m/s" if part.rpm is None else "rad/s",
                 "power_W": part.power,
                 "braking_W": part.braking,
+                "uncertain": part.uncertain,
             }
             for part in report.sizing
         ],

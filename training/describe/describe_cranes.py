@@ -80,7 +80,15 @@ def _analysis_facts(
 
 
 def _show_answer(report: feedforward.Feasibility) -> None:
-    """Print everything that is wrong with the move, and the verdict."""
+    """Print everything that is wrong with the move or uncertain, and the verdict."""
+    uncertain = [
+        f"{drive.drive} {drive.uncertain:.2g} {drive.unit}"
+        for drive in report.sizing
+        if drive.uncertain
+    ]
+    if uncertain:
+        said = f"sampled path: inputs uncertain by about: {', '.join(uncertain)}"
+        console().print(said, soft_wrap=True)
     for problem in report.problems:
         console().print(f"problem: {problem}", soft_wrap=True)
     show_verdict(report.feasible, WITHOUT_FRICTION)

@@ -1,0 +1,84 @@
+"""The points of a sampled path: rows of a CSV file, and what any table of points must be."""
+
+import csv
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from ...models.errors import PathError
+from ...models.types import Array
+from ..checks import LARGEST, check_times
+
+
+def read_rows(name: str) -> tuple[list[int], list[list[float]]]:
+    """Line numbers and rows of numbers, without header and empty lines."""
+    lines: list[int] = []
+    rows: list[list[float]] = []
+    try:
+        with Path(name).open(newline="", encoding="utf-8-sig") as file:
+            reader = csv.reader(file)
+            header_allowed = True
+            for row in reader:
+                cells = [cell.strip() for cell in row]
+                if not any(cells):
+                    continue
+                numbers = [_parse(cell) for cell in cells]
+                first, header_allowed = header_allowed, False
+                if first and all(number is None for number in numbers):
+                    continue
+                for column, (cell, number) in enumerate(zip(cells, numbers, strict=True), 1):
+                    if number is None:
+                        raise PathError(
+                            f"{name} line {reader.line_num}, column {column} is {cell!r}, "
+                            "it must be a number"
+                        )
+                lines.append(reader.line_num)
+                rows.append([number for number in numbers if number is not None])
+    except OSError as error:
+        raise PathError(f"cannot read {name}: {error.strerror or error}") from None
+    except (UnicodeDecodeError, csv.Error):
+        raise PathError(f"{name} is not a CSV file, its lines must be numbers and commas") from None
+    return lines, rows
+
+
+def _parse(cell: str) -> float | None:
+    try:
+        return float(cell)
+    except ValueError:
+        return None
+
+
+def as_table(times: object, points: object) -> tuple[Array, Array]:
+    """Times (N,) and points (N, size) as arrays of these shapes."""
+    row = check_times(times)
+    try:
+        table = np.asarray(points, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise PathError("points must be numbers, of shape (N, size)") from None
+    if table.ndim != 2 or table.shape[0] != len(row) or table.shape[1] == 0:
+        raise PathError(
+            f"points have shape {table.shape}, for {len(row)} times they need shape "
+            f"({len(row)}, number of outputs)"
+        )
+    return row, table
+
+
+def check_table(times: Array, points: Array, label: Callable[[int], str]) -> None:
+    """Two rows or more, no number infinite or absurdly large, times increasing.
+
+    `label` names a row.
+    """
+    if len(times) < 2:
+        raise PathError(f"the path has {len(times)} point(s), it needs 2 or more")
+    table = np.column_stack([times, points])
+    for index, column in np.argwhere(~(np.abs(table) <= LARGEST))[:1]:
+        value = table[index, column]
+        rule = f"within +-{LARGEST:g}" if math.isfinite(value) else "finite"
+        raise PathError(f"{label(index)}, column {column + 1} is {value:g}, it must be {rule}")
+    for index in np.flatnonzero(np.diff(times) <= 0)[:1] + 1:
+        raise PathError(
+            f"{label(index)}: time {times[index]:g} s follows {times[index - 1]:g} s, "
+            "times must increase"
+        )
