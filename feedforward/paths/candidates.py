@@ -49,7 +49,7 @@ class Candidate:
     @property
     def size(self) -> int:
         """Number of columns of the points."""
-        return self.values.shape[1] // (1 + DRAWS)
+        return int(self.values.shape[1]) // (1 + DRAWS)
 
     @property
     def interpolating(self) -> bool:
@@ -82,14 +82,14 @@ class Candidate:
     @property
     def exact(self) -> bool:
         """Whether nothing can come closer to the points."""
-        return self.deviation <= EXACT * ROUNDING * np.abs(self.values[:, : self.size]).max()
+        return bool(self.deviation <= EXACT * ROUNDING * np.abs(self.values[:, : self.size]).max())
 
     @cached_property
     def scatter(self) -> Array:
         """Standard deviation of the points' noise in each column, if all of their residual is."""
         spread = np.sqrt(np.mean(self.residual**2, axis=0))
         rounding = ROUNDING * np.abs(self.values[:, : self.size]).max()
-        return np.maximum(spread[: self.size] / np.mean(spread[self.size :]), rounding)
+        return np.asarray(np.maximum(spread[: self.size] / np.mean(spread[self.size :]), rounding))
 
     def noise(self, scatter: Array) -> float:
         """Largest derivative n of noise of a standard deviation (size,)."""

@@ -160,7 +160,7 @@ def _errors(levels: list[Candidate], scatter: Array) -> list[_Error]:
             gap = level.gaps[i - 1]
             pace = levels[i - 1].gaps[i - 2] / max(gap, TINY)
             if i + 1 < len(levels) and not levels[i + 1].interpolating:
-                pace = max(pace, _pace(*levels[i - 1 : i + 2], scatter))
+                pace = max(pace, _pace(levels[i - 1], level, levels[i + 1], scatter))
             share = 1.0 / (max(pace, SLOWEST) - 1.0)
             trend = share * _beyond(gap, noises[i])
             if trend > bias:
