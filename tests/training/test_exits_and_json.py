@@ -19,6 +19,24 @@ DOCS = Path(__file__).resolve().parents[2] / "docs" / "reference" / "command_lin
 QUICK = ["--duration", "2"]
 """In which the overhead crane cannot make its move."""
 CHANGE = f"change of rmse against {BASE}"
+LOOSE = """
+name = "loose"
+dimensions = 2
+outputs = ["load.x", "load.z"]
+home = {trolley = 0.0, hook = [0.0, 0.0, -8.0], load = [0.0, 0.0, -11.0]}
+rails = [{name = "beam", direction = [1.0, 0.0, 0.0]}]
+trolleys = [{name = "trolley", mass = 500.0, rail = "beam"}]
+loads = [{name = "hook", mass = 200.0}, {name = "load", mass = 2000.0}]
+ropes = [
+    {name = "hoist", path = ["trolley", "hook"], drum_radius = 0.2, winch_inertia = 5.0},
+    {name = "lower", path = ["hook", "load"], drum_radius = 1.0, winch_inertia = 1.0},
+]
+drives = [
+    {name = "trolley", on = "trolley", limit = 8e3},
+    {name = "hoist", on = "hoist", limit = 8e3},
+]
+move = {start = [0.0, -11.0], goal = [10.0, -9.0], duration = 12.0, order = 6}
+"""
 PULLS = "finger1 leaves its friction cone by up to"
 
 NO = {
@@ -152,6 +170,17 @@ def test_an_analysis_without_a_motion_as_json(capsys: pytest.CaptureFixture[str]
     slack = told(capsys, "analyse", "navy-2d", "--move", "printed", status=1)["slack"]
     assert slack[0]["rope"] == "tagline"
     assert min(part["lowest_N"] for part in slack) == pytest.approx(-9177, abs=1)
+
+
+def test_a_crane_that_is_not_flat_is_an_answer(capsys: pytest.CaptureFixture[str]) -> None:
+    """A second winch, between hook and load, which no drive holds still."""
+    Path("loose.toml").write_text(LOOSE)
+    found = told(capsys, "analyse", "loose.toml", "--shortest", status=1)
+    assert found["structure"]["flat"] is False
+    assert found["feasible"] is False
+    assert found["shortest"] is None
+    assert "is not flat" in found["problems"][0]
+    assert main(["solve", "loose.toml"]) == 2  # there is nothing to solve
 
 
 def test_an_analysis_of_a_hand_as_json(capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from ... import feedforward
 from ...models import Rig
-from ...models.errors import PathError
+from ...models.errors import FlatrigError, PathError, RigError
 from .. import options
 from ..as_json import show_json
 from ..console import console, warning
@@ -33,12 +33,34 @@ WITHOUT_FRICTION = "without friction"
 def show_analysis(command: options.Analyse) -> int:
     """Print the structure of the rig's equations and what the move asks of the rig."""
     rig, move = command.target()
-    analysis = feedforward.analyse(rig)
+    analysis, reference = feedforward.analyse(rig), feedforward.from_move(move)
+    report = _examine(rig, analysis, reference)
     if command.json:
-        reference = feedforward.from_move(move)
-        report = look_at(rig, reference)
         show_json(_analysis_facts(command, analysis, report))
-        return refuse(INFEASIBLE, report.problems)
+    else:
+        _show_tables(command, analysis, report)
+    return refuse(INFEASIBLE, report.problems)
+
+
+def _examine(
+    rig: Rig, analysis: feedforward.Analysis, reference: feedforward.Reference
+) -> feedforward.Feasibility:
+    """What is wrong with a move, which of a rig that is not flat is this."""
+    try:
+        return look_at(rig, reference)
+    except RigError as error:
+        if analysis.flat:
+            raise
+        why = str(error)
+    order = analysis.reference_order
+    return feedforward.Feasibility(rig, reference, order, (why,), why, None, (), ())
+
+
+def _show_tables(
+    command: options.Analyse, analysis: feedforward.Analysis, report: feedforward.Feasibility
+) -> None:
+    """Print the structure, the motion, what drives need, and the verdict."""
+    rig, reference, out = report.rig, report.reference, console()
     flat = "flat" if analysis.flat else "not flat"
     structure = [
         ("differentiation index", f"{analysis.index}"),
@@ -46,19 +68,15 @@ def show_analysis(command: options.Analyse) -> int:
         ("degrees of freedom left", f"{analysis.degrees_of_freedom} ({flat})"),
         ("equations", f"{len(analysis.rows)} in {len(analysis.blocks)} blocks"),
     ]
-    out = console()
     out.print(facts(f"{rig.name}: structure", structure))
     if command.equations:
         _show_offsets(analysis)
-    reference = feedforward.from_move(move)
-    report = look_at(rig, reference)
     if report.motion is not None:
         _show_motion(report.motion, reference)
         _show_sizing(report)
     _show_answer(report)
     if command.shortest:
         out.print(_shortest_words(rig, reference, command.margin), soft_wrap=True)
-    return refuse(INFEASIBLE, report.problems)
 
 
 def _analysis_facts(
@@ -75,7 +93,7 @@ def _analysis_facts(
         found["equations"] = offset_facts(analysis)
     if command.shortest:
         best = _shortest(report.rig, report.reference, command.margin)
-        found["shortest"] = shortest_facts(None if isinstance(best, PathError) else best)
+        found["shortest"] = shortest_facts(best if isinstance(best, feedforward.Shortest) else None)
     return found
 
 
@@ -108,18 +126,18 @@ def _show_offsets(analysis: feedforward.Analysis) -> None:
 
 def _shortest(
     rig: Rig, reference: feedforward.Reference, margin: float
-) -> feedforward.Shortest | PathError:
+) -> feedforward.Shortest | FlatrigError:
     """The shortest duration of a path, or why none is enough."""
     try:
         return feedforward.shortest_duration(rig, reference, margin=margin)
-    except PathError as error:
+    except (PathError, RigError) as error:
         return error
 
 
 def _shortest_words(rig: Rig, reference: feedforward.Reference, margin: float) -> str:
     """What can be said about the shortest duration of a path."""
     best = _shortest(rig, reference, margin)
-    if isinstance(best, PathError):
+    if not isinstance(best, feedforward.Shortest):
         return f"No duration is enough: {best}"
     return (
         f"The shortest duration for this path is {best.duration:.4g} s; in less, "
