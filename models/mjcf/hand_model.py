@@ -35,7 +35,7 @@ from ..looks import hand_looks
 from ..types import Array
 from ..values import bounded
 from .contact_settings import CONES, MUJOCO_DEFAULTS, RECOMMENDED, ContactSettings
-from .rig_model import INTEGRATORS
+from .rig_model import INTEGRATORS, memory
 
 __all__ = [
     "MUJOCO_DEFAULTS",
@@ -50,6 +50,13 @@ __all__ = [
 
 OBJECT = "object"
 """Name of the object's body, joint and geom."""
+
+IDLE = int(
+    mujoco.mjtDisableBit.mjDSBL_EQUALITY
+    | mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS
+    | mujoco.mjtDisableBit.mjDSBL_LIMIT
+)
+"""Kinds of constraint that no part of a hand calls for: all but contact."""
 
 CARRIAGE_SHARE = 0.5
 """Share of the mass that a turning tip's innermost slide moves which does not turn."""
@@ -84,7 +91,7 @@ def compile_hand(
     squeeze
         Normal force that holds the object at home [N]; see `hand.holding.holding_forces`.
     visuals
-        The scene for people: looks and cameras.
+        The scene for people: looks and cameras.  False leaves what a simulation needs.
 
     Raises
     ------
@@ -92,6 +99,8 @@ def compile_hand(
         An option is wrong, the object cannot be held at home, or MuJoCo refuses the model.
     """
     scene = hand_spec(hand, settings, servo=servo, squeeze=squeeze, visuals=visuals)
+    if not visuals:
+        scene.memory = memory(scene)
     try:
         return scene.compile()
     except (ValueError, mujoco.FatalError) as error:
@@ -140,6 +149,7 @@ def _options(scene: mujoco.MjSpec, hand: Hand, settings: ContactSettings) -> Non
     option.impratio = settings.impratio
     option.noslip_iterations = settings.noslip
     option.gravity = hand.gravity
+    option.disableflags = IDLE
     geom.solref = settings.solref
     geom.solimp[:3] = settings.solimp
     geom.condim = settings.condim or (3 if hand.spin else 4)

@@ -100,7 +100,8 @@ def compile(
     integrator
         One of `INTEGRATORS`.
     visuals
-        The scene for people: looks, cameras, sensors.  False leaves the bare physics.
+        The scene for people: looks, cameras, sensors.  False leaves the bare physics, which
+        steps 1.2 to 1.5 times as fast.
     friction
         Leave MuJoCo's constraints on, so that `dof_frictionloss` and `tendon_frictionloss` may be
         set at run time; costs time.
@@ -119,7 +120,7 @@ def compile(
     material = ropes_of(ropes, rig)
     scene = _scene(rig, timestep, integrator, visuals, friction, massless, material)
     if not visuals:
-        scene.memory = MEMORY[0] + MEMORY[1] * len(scene.joints) ** 2
+        scene.memory = memory(scene)
     if extend is not None:
         extend(scene)
     model = compile_at_rest(scene, rig, material)
@@ -142,6 +143,12 @@ def spec(
     scene = _scene(rig, timestep, integrator, visuals, friction, massless, material)
     compile_at_rest(scene, rig, material)
     return scene
+
+
+def memory(scene: mujoco.MjSpec) -> int:
+    """Scratch memory that is ample for the bare physics of a scene [bytes]."""
+    size = {mujoco.mjtJoint.mjJNT_FREE: 6, mujoco.mjtJoint.mjJNT_BALL: 3}
+    return MEMORY[0] + MEMORY[1] * sum(size.get(joint.type, 1) for joint in scene.joints) ** 2
 
 
 def _scene(

@@ -1,4 +1,4 @@
-"""Scenes for people and for plain MuJoCo: stored XML, open-loop runs, cameras, pictures."""
+"""Scenes for people: open-loop runs, cameras, pictures."""
 
 import math
 import sys
@@ -10,7 +10,7 @@ import pytest
 from flatrig import models
 from flatrig.models import Anchor, Drive, ModelError, OptionError, Platform, Rig, Rope
 from flatrig.models.looks import booms, render
-from flatrig.models.mjcf import export, rig_model, rig_state, simulate
+from flatrig.models.mjcf import rig_model, rig_state, simulate
 from flatrig.models.rig.chain import links
 
 CATALOGUE = tuple(models.CATALOGUE)
@@ -22,51 +22,6 @@ RIGS = [*models.CATALOGUE, "cantilever", "gantry", "planar navy", "navy", "four 
 @pytest.fixture(params=RIGS)
 def rig(request, other_rigs):
     return other_rigs.get(request.param) or models.make(request.param)
-
-
-def stored_scene(name):
-    path = export.FOLDER / f"{name}.xml"
-    assert path.exists(), "`flatrig scenes` makes it"
-    return path
-
-
-@pytest.mark.parametrize("name", CATALOGUE)
-def test_exported_scenes_are_current_and_stand_alone(name, tmp_path, random_states):
-    rig, stored = models.make(name), stored_scene(name)
-    assert stored.read_text() == export.xml(rig), "`flatrig scenes` makes it anew"
-    (tmp_path / "alone.xml").write_text(stored.read_text())
-    alone = mujoco.MjModel.from_xml_path(str(tmp_path / "alone.xml"))
-    rig_model.check(alone)
-    model = rig_model.compile(rig)
-    state_of = random_states(rig)
-    expected, found = (
-        simulate.accelerations(model, *state_of),
-        simulate.accelerations(alone, *state_of),
-    )
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-15 * abs(expected).max())
-    sections = ["compiler", "option", "default", "asset", "worldbody", "tendon", "actuator"]
-    sections += ["sensor", "keyframe"]
-    places = [stored.read_text().index(f"\n  <{section}") for section in sections]
-    assert places == sorted(places)
-
-
-@pytest.mark.parametrize("name", CATALOGUE)
-def test_noise_on_the_inputs_raises_no_warning(name):
-    model = mujoco.MjModel.from_xml_path(str(stored_scene(name)))
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, 0)
-    generator, home = np.random.default_rng(1), model.key("home").ctrl
-    spread = 0.1 * model.actuator_ctrlrange[:, 1]
-    for _ in range(1000):
-        data.ctrl[:] = home + spread * generator.normal(size=model.nu)
-        mujoco.mj_step(model, data)
-    assert not any(warning.number for warning in data.warning)
-    assert np.isfinite(data.qpos).all()
-
-
-def test_export_writes_to_a_folder(tmp_path):
-    written = export.export(tmp_path / "new")
-    assert [path.stem for path in written] == list(CATALOGUE)
 
 
 def test_run_returns_the_start_and_every_step():

@@ -217,7 +217,8 @@ def test_a_folder_that_is_read_only(capsys: pytest.CaptureFixture[str], tmp_path
 
 def test_scenes_are_written(tmp_path: Path) -> None:
     assert main(["scenes", "-o", "scenes"]) == 0
-    assert {path.stem for path in (tmp_path / "scenes").glob("*.xml")} == set(models.CATALOGUE)
+    names = {name + kind for name in models.CATALOGUE for kind in ("", "_scene")}
+    assert {path.stem for path in (tmp_path / "scenes").glob("*.xml")} == names
 
 
 def test_training_without_its_packages_names_the_extra(

@@ -1,6 +1,7 @@
 """Headless scenes carry nothing idle, and what is switched off changes no result, to the bit."""
 
 import copy
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 from flatrig import models
 from flatrig.models.mjcf import rig_model, simulate
+from flatrig.models.mjcf.hand_model import RECOMMENDED, compile_hand
 from flatrig.training import cli
 from flatrig.training.bench import accuracy, lean
 
@@ -68,6 +70,52 @@ def test_looks_and_sensors_change_nothing(rig, ropes):
     assert mujoco.mj_sizeModel(bare) < 0.05 * mujoco.mj_sizeModel(dressed)
 
 
+@pytest.fixture(params=[*models.HAND_CATALOGUE])
+def hand(request):
+    return models.make_hand(request.param)
+
+
+HEADLESS = [how for how in lean.HAND_VARIANTS.values() if how]
+
+
+@pytest.mark.parametrize("how", HEADLESS)
+def test_headless_hands_carry_nothing_idle(hand, how):
+    assert lean.idle(compile_hand(hand, **how)) == []
+
+
+def squeezed(model, flags):
+    """A tenth of a second about home under changing forces, with these features switched off."""
+    changed = copy.copy(model)
+    changed.opt.disableflags = flags
+    generator = np.random.default_rng(5)
+    ctrl = model.key_ctrl[0] + generator.normal(scale=0.02, size=(100, model.nu))
+    return simulate.run(changed, model.key_qpos[0], np.zeros(model.nv), ctrl)
+
+
+def test_what_hands_leave_out_changes_nothing_and_contact_does(hand):
+    model, dressed = (compile_hand(hand, visuals=looks) for looks in (False, True))
+    flags = int(model.opt.disableflags)
+    assert flags == int(dressed.opt.disableflags)
+    expected = squeezed(model, flags)
+    assert same(squeezed(model, flags & ~EVERYTHING), expected)
+    assert same(squeezed(dressed, flags), expected)
+    assert not same(squeezed(model, flags | lean.OFF["contact"]), expected)
+    assert lean.idle(dressed) != []
+    assert mujoco.mj_sizeModel(model) < 0.05 * mujoco.mj_sizeModel(dressed)
+
+
+@pytest.mark.parametrize("cone", ["elliptic", "pyramidal"])
+def test_scratch_memory_of_hands_is_ample(hand, cone):
+    """With the most rows for each contact, and all fingers touching, it takes less than a tenth."""
+    model = compile_hand(hand, replace(RECOMMENDED, condim=6, cone=cone), visuals=False)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_step(model, data, lean.SETTLING)
+    assert data.ncon == len(hand.fingers)
+    assert data.nefc == data.ncon * (6 if cone == "elliptic" else 10)
+    assert 0 < data.maxuse_arena < 0.1 * data.narena
+
+
 def test_idle_parts_are_named():
     scene = rig_model.spec(models.overhead_crane(), visuals=False)
     scene.add_tendon(name="loose").wrap_joint("load.x", 1.0)
@@ -91,11 +139,13 @@ def test_scratch_memory_is_ample():
 
 def test_the_table(monkeypatch, capsys):
     monkeypatch.setattr(lean, "CATALOGUE", {"overhead_crane": models.overhead_crane})
+    monkeypatch.setattr(lean, "HAND_CATALOGUE", {"ball_on_plate": None})
     monkeypatch.setenv("COLUMNS", "170")
     assert cli.main(["lean"]) == 0
     said = capsys.readouterr().out
-    assert all(name in said for name in lean.VARIANTS)
+    assert all(name in said for name in (*lean.VARIANTS, *lean.HAND_VARIANTS))
     assert "looks, constraints" in said
+    assert "looks, all but contact" in said
 
 
 def test_every_crane_of_the_catalogue_is_driven_in_mujoco():

@@ -1,10 +1,12 @@
 """`flatrig lean`: what every scene carries, what that costs, and what was left out.
 
 Each crane stands there as headless runs use it, with rigid ropes, with friction allowed, with
-elastic and with slack ropes, and last dressed for people.  `rows` are constraint rows at home,
-`looks` are parts to be seen or read (sensors); `data` is what one simulation needs besides the
-model; `features` are those of MuJoCo that act besides tendons and motors.  Left out are looks that
-the dressed scene has, and MuJoCo's constraints: contact, equality, friction loss, limit.
+elastic and with slack ropes, then dressed for people, and last as `flatrig scenes` writes it for
+plain MuJoCo; each hand with motors, with a servo on its slides, and dressed.  `rows` are constraint
+rows just after home, `looks` are parts to be seen or read (geoms that touch nothing, sensors);
+`data` is what one simulation needs besides the model; `features` are those of MuJoCo that act
+besides tendons and motors.  Left out are looks that the dressed scene has, and constraints:
+contact, equality, friction loss, limit.
 
     used(model)        # features of MuJoCo that act in this model
     on(model)          # those that are switched on
@@ -21,10 +23,14 @@ import numpy as np
 from rich.progress import track
 from rich.table import Table
 
-from ...models import CATALOGUE, make
+from ...models import CATALOGUE, HAND_CATALOGUE, make, make_hand
+from ...models.mjcf import export
 from ...models.mjcf import rig_model as mjcf
+from ...models.mjcf.hand_model import compile_hand
+from ...models.types import Mask
 from .. import options
 from ..console import console
+from ..simulate.hand_runs import SERVO
 from ..tables import table
 
 VARIANTS: dict[str, dict[str, Any]] = {
@@ -34,12 +40,23 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "slack": {"visuals": False, "ropes": "slack"},
     "dressed": {},
 }
-"""Options of `compile` for each scene."""
+"""Options of `compile` for each scene of a crane."""
+EXPORTED = "exported"
+"""The machine as `flatrig scenes` writes it, read anew."""
+HAND_VARIANTS: dict[str, dict[str, Any]] = {
+    "motors": {"visuals": False},
+    "servo": {"visuals": False, "servo": SERVO},
+    "dressed": {},
+}
+"""Options of `compile_hand` for each scene of a hand."""
 
 LOOKS = ("geom", "cam", "light", "mat", "tex", "mesh", "sensor")
 """Kinds of parts that only people need."""
-STEPS, REPETITIONS = 500, 5
+STEPS, REPETITIONS = 200, 5
 """Steps timed at once, and how often; the best counts."""
+
+SETTLING = 2
+"""Steps from home after which rows are counted: at home a hand's surfaces meet without pressing."""
 
 OFF = {
     name: int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{name.upper()}"))
@@ -58,16 +75,25 @@ def main(_: options.Lean) -> None:
         "features", "left out",
     )  # fmt: skip
     out = console()
-    for name in track(CATALOGUE, "Looking", transient=True, console=out):
-        _add(lines, name)
+    for name in track([*CATALOGUE, *HAND_CATALOGUE], "Looking", transient=True, console=out):
+        _add(lines, name, scenes(name))
     out.print(lines)
+
+
+def scenes(name: str) -> dict[str, mujoco.MjModel]:
+    """Models of a crane or hand of the catalogue, by what they are for."""
+    if name in HAND_CATALOGUE:
+        hand = make_hand(name)
+        return {variant: compile_hand(hand, **how) for variant, how in HAND_VARIANTS.items()}
+    rig = make(name)
+    compiled = {variant: mjcf.compile(rig, **how) for variant, how in VARIANTS.items()}
+    return compiled | {EXPORTED: mujoco.MjModel.from_xml_string(export.xml(rig))}
 
 
 def used(model: mujoco.MjModel) -> set[str]:
     """Features of MuJoCo that the model's parts call for, switched on or not."""
-    solid = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
     needs = {
-        "contact": solid.any() or model.npair > 0,
+        "contact": _solid(model).any() or model.npair > 0,
         "equality": model.neq > 0,
         "frictionloss": model.dof_frictionloss.any() or model.tendon_frictionloss.any(),
         "limit": model.jnt_limited.any() or model.tendon_limited.any(),
@@ -103,24 +129,29 @@ def idle(model: mujoco.MjModel) -> list[str]:
 
 def _looks(model: mujoco.MjModel) -> dict[str, int]:
     """How many parts there are to be seen or read."""
-    return {kind: int(getattr(model, f"n{kind}")) for kind in LOOKS}
+    counts = {kind: int(getattr(model, f"n{kind}")) for kind in LOOKS}
+    touching = _solid(model) & ("contact" in on(model))
+    return counts | {"geom": int(np.count_nonzero(~touching))}
 
 
-def _add(lines: Table, name: str) -> None:
-    """Rows of one crane."""
-    rig = make(name)
-    scenes = {variant: mjcf.compile(rig, **how) for variant, how in VARIANTS.items()}
+def _solid(model: mujoco.MjModel) -> Mask:
+    """Which geoms can touch others, shape (ngeom,)."""
+    return np.asarray((model.geom_contype != 0) | (model.geom_conaffinity != 0))
+
+
+def _add(lines: Table, name: str, models: dict[str, mujoco.MjModel]) -> None:
+    """Rows of one crane or hand."""
     lines.add_row(name)
-    for variant, model in scenes.items():
+    for variant, model in models.items():
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, 0)
-        mujoco.mj_forward(model, data)
+        mujoco.mj_step(model, data, SETTLING)
         lines.add_row(
             f"  {variant}", str(model.nq), str(model.nv), str(model.nu), str(model.ntendon),
             str(data.nefc), str(sum(_looks(model).values())),
             f"{mujoco.mj_sizeModel(model) / 1e3:.1f}", f"{(data.nbuffer + data.narena) / 1e3:.0f}",
             f"{_step_time(model, data):.1f}", ", ".join(sorted(used(model) & on(model))),
-            _left_out(model), end_section=variant == "dressed",
+            _left_out(model), end_section=variant == [*models][-1],
         )  # fmt: skip
 
 
