@@ -24,6 +24,7 @@ from .hand.kiss_hands import (
 from .hand.move import HandMove
 from .mjcf.ropes import Ropes
 from .rig.catalogue import CATALOGUE, default_move, full_name, make, printed_move
+from .rig.fingerprint import fingerprint
 from .rig.manipulators import cable_manipulator
 from .rig.move import Move
 from .rig.navy_cranes import navy_crane_2d, navy_crane_3d
@@ -100,6 +101,7 @@ __all__ = [
     "dump",
     "dumps",
     "extended_rotary_crane",
+    "fingerprint",
     "full_name",
     "gantry_crane",
     "load",

@@ -21,6 +21,9 @@ LARGEST = 1e12
 LONGEST_SHOWN = 80
 """Characters of a wrong value that a message shows."""
 
+LONGEST_NAME = 64
+"""Characters of a name; files are called after it."""
+
 ENDLESS = {"endless": True}
 """Metadata of a dataclass's field that may be infinite."""
 
@@ -155,6 +158,21 @@ def word(label: str, value: object) -> str:
     return value
 
 
+def plain_name(label: str, value: object) -> str:
+    """A name that files, columns and models can carry: `LONGEST_NAME` plain characters at most.
+
+    Raises
+    ------
+    RigError
+        It is none.
+    """
+    text = word(label, value)
+    if not text.replace("_", "a").replace("-", "a").isalnum() or len(text) > LONGEST_NAME:
+        rule = f"1 to {LONGEST_NAME} letters, digits, '-' and '_' only"
+        raise RigError(f"{label} is {shown(text)}, it must be {rule}")
+    return text
+
+
 def sequence(label: str, value: object) -> tuple[Any, ...]:
     """A tuple from a list, tuple or array.
 
@@ -193,8 +211,10 @@ def clean(part: Any) -> None:
     RigError
         A value is not what its field needs.
     """
-    name = getattr(part, "name", getattr(part, "at", ""))
-    owner = f"{type(part).__name__.lower()} {name}"
+    kind_of_part = type(part).__name__.lower()
+    if hasattr(part, "name"):
+        plain_name(f"{kind_of_part}: name", part.name)  # before any message takes it up
+    owner = f"{kind_of_part} {getattr(part, 'name', getattr(part, 'at', ''))}"
     for item in fields(part):
         label, value = f"{owner}: {item.name}", getattr(part, item.name)
         kind: Any = item.type

@@ -107,6 +107,14 @@ class Train(RigOptions):
         return min(1.0, seconds / (60.0 * (self.minutes or MINUTES)))
 
 
+@command(crane=".describe.fingerprints:main")
+class Fingerprint(RigOptions):
+    """Print what tells a crane's parts and numbers from others, which a trained policy carries."""
+
+    policy: str = ""
+    """Policy (.json) without a fingerprint, trained on this crane, to write it into."""
+
+
 @command(".bench.speed:main")
 class Bench:
     """Measure the solver, the environments and the accuracy in MuJoCo on this machine."""

@@ -19,7 +19,7 @@ they mean and how they were made.  Nothing is ever unpickled.
 """
 
 import json
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,7 @@ from safetensors import SafetensorError
 from safetensors.numpy import load_file, save
 
 from ..envs.crane.task import CraneTask
+from ..models import Rig, fingerprint, make
 from ..models.errors import OptionError
 from ..models.files import replacing, write_text
 from ..models.types import Array
@@ -75,6 +76,8 @@ class Card:
     """Command, seed, steps, versions, results: what one needs to make it again."""
     format: int = FORMAT
     """Version of the files."""
+    fingerprint: str = ""
+    """`models.fingerprint` of the rig that it was trained on; "" where nobody knows."""
 
     def __post_init__(self) -> None:
         for name in ("fraction", "shares", "rate", "time_constants", "smoothing", "every"):
@@ -84,7 +87,8 @@ class Card:
                 bounded(name, value, above=0.0, most=most, whole=name == "every")
         if len(self.shares) != len(self.action_names):
             raise ValueError(f"{len(self.shares)} shares for {len(self.action_names)} actions")
-        for name in (self.rig, self.sensors, *self.observation_names, *self.action_names):
+        words = (self.rig, self.sensors, self.fingerprint)
+        for name in (*words, *self.observation_names, *self.action_names):
             if not isinstance(name, str):
                 raise ValueError(f"{name!r} stands where a name must stand")
 
@@ -144,12 +148,18 @@ class Policy:
         Raises
         ------
         OptionError
-            It is another rig, control rate, or set of observations or actions.
+            It is another rig, control rate, or set of observations or actions.  A rig with other
+            parts or numbers is another one, whatever its name; disturbances make no other rig.
         """
         card = self.card
         if task.rig.name != card.rig:
             raise OptionError(
                 f"the policy is for rig {card.rig}, the environment's is {task.rig.name}"
+            )
+        if card.fingerprint and card.fingerprint != fingerprint(task.rig):
+            raise OptionError(
+                f"the policy is for a rig {card.rig} with other parts or numbers than the "
+                "environment's; train one for this rig with `flatrig train`"
             )
         if abs(task.period * card.rate - 1.0) > 1e-6:
             raise OptionError(
@@ -190,7 +200,8 @@ class Policy:
         Raises
         ------
         OptionError
-            A file is missing or is not a policy of this version.
+            A file is missing or is not a policy of this version, or a number of it, or an output
+            that it could give, is not finite.
         """
         path = Path(path)
         try:
@@ -206,6 +217,7 @@ class Policy:
                 scale=tensors["scale"],
             )
             policy._check_shapes()
+            policy._check_numbers()
         except OSError as error:
             name = error.filename or path
             raise OptionError(f"cannot read policy {name}: {error.strerror or error}") from None
@@ -224,9 +236,21 @@ class Policy:
             width = len(bias)
         if width != self.recall.actions or not self.weights:
             raise ValueError(f"the last layer has {width} outputs, not {self.recall.actions}")
+
+    def _check_numbers(self) -> None:
+        """Numbers are finite, and so is whatever the network can make of them."""
         for array in (*self.weights, *self.biases, self.mean, self.scale):
-            if not np.isfinite(array).all():
+            if array.dtype.kind != "f" or not np.isfinite(array).all():
                 raise ValueError("a number is not finite")
+        if not (self.scale > 0.0).all():
+            raise ValueError(f"a feature's scale is {self.scale.min():g}, it must be > 0")
+        largest = np.full(len(self.mean), CLIP)
+        with np.errstate(over="ignore"):
+            for weight, bias in zip(self.weights, self.biases, strict=True):
+                bound = np.abs(weight) @ largest + np.abs(bias)
+                largest = np.ones(len(bias))  # of what tanh lets through
+                if not np.isfinite(bound).all():
+                    raise ValueError("its numbers are so large that its outputs are not finite")
 
 
 def _card(entries: dict[str, Any]) -> Card:
@@ -241,7 +265,33 @@ def _card(entries: dict[str, Any]) -> Card:
     return Card(**values)
 
 
-def shipped(rig_name: str) -> Policy | None:
-    """The policy that comes with the package for a rig, None if there is none."""
-    path = SHIPPED / f"{rig_name}.json"
-    return Policy.load(path) if path.exists() else None
+def shipped(rig: Rig | str) -> Policy | None:
+    """The policy that comes with the package for exactly this rig, None if there is none.
+
+    Raises
+    ------
+    RigError
+        The catalogue has no rig of that name.
+    """
+    rig = make(rig) if isinstance(rig, str) else rig
+    path = SHIPPED / f"{rig.name}.json"
+    policy = Policy.load(path) if path.exists() else None
+    return policy if policy and policy.card.fingerprint == fingerprint(rig) else None
+
+
+def sign(path: str | Path, rig: Rig) -> None:
+    """Write the fingerprint of the rig that a policy was trained on into its card.
+
+    Raises
+    ------
+    OptionError
+        It is no policy, or one for another rig.
+    OutputError
+        The card cannot be written.
+    """
+    policy = Policy.load(path)
+    found = fingerprint(rig)
+    if policy.card.rig != rig.name or policy.card.fingerprint not in ("", found):
+        raise OptionError(f"{path} is a policy for another rig than {rig.name}, it stays as it is")
+    card = replace(policy.card, fingerprint=found)
+    write_text(Path(path).with_suffix(".json"), json.dumps(asdict(card), indent=2) + "\n")

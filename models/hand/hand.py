@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 
 from ..errors import RigError, did_you_mean
-from ..values import Vector, number, sequence, vector, word
+from ..values import Vector, number, plain_name, sequence, vector, word
 
 EVERY_WAY: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 """Slides of a finger that moves in space."""
@@ -62,9 +62,7 @@ def _directions(label: str, values: object) -> tuple[Vector, ...]:
 
 def _name(label: str, value: object) -> str:
     """A plain word, as a name in a rig."""
-    plain = word(label, value)
-    if not plain.replace("_", "a").replace("-", "a").isalnum():
-        raise RigError(f"{label} is {plain!r}, it must be letters, digits, '-' and '_' only")
+    plain = plain_name(label, value)
     if plain in TAKEN:
         raise RigError(f"{label} is {plain!r}, which is taken; choose another")
     return plain

@@ -37,10 +37,8 @@ def check_space(rig: str, dimensions: int, gravity: float) -> None:
 
 
 def check_names(rig: str, names: Sequence[str]) -> None:
-    """No two parts, and no two drives, have one name; a name is a plain word."""
+    """No two parts, and no two drives, have one name."""
     for name in names:
-        if not name.replace("_", "a").replace("-", "a").isalnum():
-            raise RigError(f"rig {rig}: name {name!r} must be letters, digits, '-' and '_' only")
         if name == WORLD:
             raise RigError(f"rig {rig}: the name {WORLD!r} is taken by the fixed frame")
         if names.count(name) > 1:

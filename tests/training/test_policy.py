@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from flatrig import models
 from flatrig.models.errors import OptionError
 from flatrig.training.policy import SHIPPED, Card, Policy, shipped
 
@@ -207,4 +208,4 @@ def test_shipped_policies_are_small_and_say_where_they_come_from(path: Path) -> 
 
 
 def test_a_rig_without_a_policy_has_none() -> None:
-    assert shipped("no_such_crane") is None
+    assert shipped(models.navy_crane_3d()) is None

@@ -20,6 +20,7 @@ from ...envs.crane.payloads import payloads
 from ...models import Move, Rig
 from ...models.files import make_folder
 from .. import options
+from ..console import console
 from ..describe.feasible import INFEASIBLE, problems_of
 from ..exits import DONE, refuse
 from ..policy import Policy, shipped
@@ -69,6 +70,12 @@ def environment(rig: Rig, move: Move, num: int, **more: Any) -> Any:
 def scenarios_for(rig: Rig, number: int, seed: int = EVALUATION_SEED) -> list[Scenario]:
     """Scenarios from the standard disturbances of a rig."""
     return design(Disturbances.standard(rig), number, seed)
+
+
+UNSIGNED = (
+    "policy {} does not say which numbers the rig had that it was trained on; if they were these, "
+    "`flatrig fingerprint RIG --policy FILE` writes so into it"
+)
 
 
 class Runner:
@@ -142,15 +149,17 @@ def main(command: options.Compare) -> int:
     rig, move = command.target()
     options.check_number("--scenarios", command.scenarios, lowest=1, open_end=False)
     folder = Path(command.output or f"results/compare-{command.label()}")
-    policy = Policy.load(command.policy) if command.policy else shipped(rig.name)
+    policy = Policy.load(command.policy) if command.policy else shipped(rig)
     if status := refuse(INFEASIBLE, problems_of(rig, move)):
         return status
     scenarios = [Scenario()] if command.nominal else scenarios_for(rig, command.scenarios)
     make_folder(folder)
     if policy is None:
-        origin = f"no policy is shipped for {rig.name}"
+        origin = f"no policy is shipped for {rig.name} with these numbers"
     else:
         origin = command.policy or f"shipped with flatrig, {policy.card.training.get('command')}"
+        if not policy.card.fingerprint:
+            console(stderr=True).print(f"warning: {UNSIGNED.format(origin)}", soft_wrap=True)
     comparison = compare(rig, move, scenarios, policy, origin)
     draw(comparison, folder / "figure.png")
     report(comparison, folder, command.json)

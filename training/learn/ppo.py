@@ -13,7 +13,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import KVWriter, Logger
 
 from ... import feedforward
-from ...models import Move, Rig
+from ...models import Move, Rig, fingerprint
 from .. import options
 from ..compare.compare_cranes import Runner, environment, scenarios_for
 from ..compare.contenders import with_residual
@@ -55,6 +55,7 @@ class Training:
         task = self.judge.task
         self.card = Card(
             rig=rig.name,
+            fingerprint=fingerprint(rig),
             observation_names=tuple(task.observation_names),
             action_names=tuple(task.action_names),
             fraction=self.fraction,
