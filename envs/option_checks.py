@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..models.arguments import keywords_of, known_keywords
 from ..models.errors import OptionError, did_you_mean
 from ..models.types import Array, Mask
 from ..models.values import bounded, reals, shown
@@ -115,3 +116,15 @@ def check_options(options: dict[str, Any] | None, known: tuple[str, ...]) -> dic
         if name not in known:
             raise OptionError(f"reset has no option {name!r}{did_you_mean(str(name), known)}")
     return options
+
+
+def check_task_options(task: Callable[..., Any], options: Mapping[str, Any]) -> None:
+    """Refuse options that neither a task nor its environment has.
+
+    Raises
+    ------
+    OptionError
+        One is unknown.
+    """
+    known = [*keywords_of(task, but=("num",)), "render_mode"]
+    known_keywords("an environment has no option", options, known, OptionError)

@@ -9,6 +9,7 @@ Importing this package does not load MuJoCo; `compile` does.
 
 from typing import TYPE_CHECKING, Any
 
+from .arguments import keywords_of, known_keywords
 from .errors import FlatrigError, ModelError, OptionError, PathError, RigError, SmoothnessError
 from .files import OutputError
 from .hand.catalogue import HAND_CATALOGUE, default_hand_move, make_hand
@@ -41,6 +42,7 @@ from .rig.rig import (
     Rope,
     Sheave,
     Trolley,
+    require_rig,
 )
 from .rig.toml import dump, dumps, load, load_move, loads
 from .rig.trolley_cranes import (
@@ -52,6 +54,7 @@ from .rig.trolley_cranes import (
     rotary_crane,
     rotary_crane_small,
 )
+from .values import shown
 
 if TYPE_CHECKING:
     import mujoco
@@ -132,10 +135,15 @@ def compile(rig: Rig, **options: Any) -> "mujoco.MjModel":
     Raises
     ------
     ModelError
-        MuJoCo cannot hold the rig, or would simulate something else.
+        MuJoCo cannot hold the rig, or would simulate something else, or an option is wrong.
+    RigError
+        It is no rig.
     """
     from .mjcf import rig_model
 
+    known = keywords_of(rig_model.compile, but=("rig",))
+    known_keywords("models.compile has no option", options, known, ModelError)
+    require_rig(rig)
     return rig_model.compile(rig, **options)
 
 
@@ -145,8 +153,14 @@ def compile_hand(hand: Hand, **options: Any) -> "mujoco.MjModel":
     Raises
     ------
     ModelError
-        The object cannot be held at home, or MuJoCo refuses the model.
+        The object cannot be held at home, or MuJoCo refuses the model, or an option is wrong.
+    RigError
+        It is no hand.
     """
     from .mjcf import hand_model
 
+    known = keywords_of(hand_model.compile_hand, but=("hand",))
+    known_keywords("models.compile_hand has no option", options, known, ModelError)
+    if not isinstance(hand, Hand):
+        raise RigError(f"hand is {shown(hand)}, it must be a Hand; models.make_hand makes one")
     return hand_model.compile_hand(hand, **options)

@@ -14,11 +14,11 @@ Names, moves, environments, scenes and tests follow from the entries.  The name 
 and what it builds has to carry the same one.
 """
 
-import inspect
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
+from .arguments import keywords_of, known_keywords
 from .errors import RigError, did_you_mean
 from .values import word
 
@@ -139,8 +139,6 @@ class Catalogue(Mapping[str, Callable[..., ModelT]], Generic[ModelT, MoveT]):
             The name or an override is unknown, or a number is wrong.
         """
         entry = self.entry(name)
-        known = inspect.signature(entry.build).parameters
-        for key in overrides:
-            if key not in known:
-                raise RigError(f"{entry.name} has no parameter {key!r}{did_you_mean(key, known)}")
+        known = keywords_of(entry.build)
+        known_keywords(f"{entry.name} has no parameter", overrides, known, RigError)
         return entry.build(**overrides)

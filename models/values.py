@@ -1,11 +1,10 @@
 """Turn what a user gives into plain numbers, vectors and names, or say what is wrong with it."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from functools import wraps
 from numbers import Real
-from typing import Any, Literal, ParamSpec, TypeGuard, TypeVar, get_origin
+from typing import Any, Literal, TypeGuard, get_origin
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,9 +25,6 @@ LONGEST_NAME = 64
 
 ENDLESS = {"endless": True}
 """Metadata of a dataclass's field that may be infinite."""
-
-P = ParamSpec("P")
-T = TypeVar("T")
 
 
 def is_number(value: object) -> TypeGuard[float]:
@@ -241,19 +237,6 @@ def clean(part: Any) -> None:
         else:
             plain = Home(value)
         object.__setattr__(part, item.name, plain)
-
-
-def of_numbers(build: Callable[P, T]) -> Callable[P, T]:
-    """Check that keywords annotated as `float` are numbers before a function reckons with them."""
-
-    @wraps(build)
-    def checked(*args: P.args, **kwargs: P.kwargs) -> T:
-        for key, value in kwargs.items():
-            if build.__annotations__.get(key) is float:
-                kwargs[key] = number(f"{build.__name__}: {key}", value)
-        return build(*args, **kwargs)
-
-    return checked
 
 
 class Home(Mapping[str, float | Vector]):

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from ..option_checks import check_task_options
 from ..task_env import TaskEnv
 from ..task_vector_env import TaskVectorEnv
 from .task import CraneTask
@@ -16,6 +17,7 @@ class CraneEnv(TaskEnv[CraneTask]):
     """
 
     def __init__(self, rig: Any = None, *, render_mode: str | None = None, **options: Any) -> None:
+        check_task_options(CraneTask, options)
         super().__init__(CraneTask(rig, num=1, **options), render_mode)
 
 
@@ -30,4 +32,5 @@ class CraneVectorEnv(TaskVectorEnv[CraneTask]):
     def __init__(
         self, rig: Any = None, *, num_envs: int = 1, render_mode: str | None = None, **options: Any
     ) -> None:
+        check_task_options(CraneTask, options)
         super().__init__(CraneTask(rig, num=num_envs, **options), render_mode)

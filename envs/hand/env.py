@@ -7,6 +7,7 @@ env.reset(seed=0, options={"scenario": HandScenario(mass=1.2), "reference": Hand
 
 from typing import Any
 
+from ..option_checks import check_task_options
 from ..task_env import TaskEnv
 from ..task_vector_env import TaskVectorEnv
 from .task import HandTask
@@ -19,7 +20,8 @@ class HandEnv(TaskEnv[HandTask]):
     "turned", "touching", "input", "reward_terms", and in "reason" why the episode is over.
     """
 
-    def __init__(self, hand: Any, *, render_mode: str | None = None, **options: Any) -> None:
+    def __init__(self, hand: Any = None, *, render_mode: str | None = None, **options: Any) -> None:
+        check_task_options(HandTask, options)
         super().__init__(HandTask(hand, num=1, **options), render_mode)
 
 
@@ -32,6 +34,7 @@ class HandVectorEnv(TaskVectorEnv[HandTask]):
     what = "hands"
 
     def __init__(
-        self, hand: Any, *, num_envs: int = 1, render_mode: str | None = None, **options: Any
+        self, hand: Any = None, *, num_envs: int = 1, render_mode: str | None = None, **options: Any
     ) -> None:
+        check_task_options(HandTask, options)
         super().__init__(HandTask(hand, num=num_envs, **options), render_mode)

@@ -11,8 +11,7 @@
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
-from ...models.errors import RigError
-from ...models.rig.rig import Rig
+from ...models.rig.rig import Rig, require_rig
 from .assembly import assemble
 from .equations import Equations
 from .servo import Servo, servo_constraints
@@ -58,7 +57,6 @@ class Problem:
         return max(self.analysis.reference_order, 2)
 
 
-@lru_cache(maxsize=256)
 def problem_of(rig: Rig) -> Problem:
     """The inverse dynamics of a rig; one object for each rig.
 
@@ -67,8 +65,12 @@ def problem_of(rig: Rig) -> Problem:
     RigError
         It is no rig.
     """
-    if not isinstance(rig, Rig):
-        raise RigError(f"rig is {rig!r}, it must be a Rig; models.make(name) makes one")
+    return kept_problem(require_rig(rig))
+
+
+@lru_cache(maxsize=256)
+def kept_problem(rig: Rig) -> Problem:
+    """`problem_of` what is a rig for certain."""
     return Problem(rig)
 
 

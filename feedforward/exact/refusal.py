@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...models.errors import PathError, RigError, SmoothnessError
-from ...models.rig.rig import Rig
+from ...models.rig.rig import Rig, require_rig
 from ...models.types import Array
 from ..checks import check_duration, check_order
 from ..paths.reference import Reference
@@ -63,7 +63,10 @@ def accept_columns(rig: Rig, reference: Reference) -> None:
     ------
     PathError
         It has more or fewer, or turns something that is no platform, or is no path.
+    RigError
+        The rig is none.
     """
+    require_rig(rig)
     accept_path(reference)
     missing = [name for name in MEMBERS if not hasattr(reference, name)]
     if missing:

@@ -1,6 +1,8 @@
 """From a move's description to its reference path."""
 
+from ...models.errors import PathError
 from ...models.rig.move import Move
+from ...models.values import shown
 from .recordings import from_csv
 from .reference import Reference
 from .straight import rest_to_rest, three_phase
@@ -18,6 +20,8 @@ def from_move(move: Move) -> Reference:
     PathError
         The move's numbers make no path, or its file cannot be used.
     """
+    if not isinstance(move, Move):
+        raise PathError(f"move is {shown(move)}, it must be a Move")
     if move.profile == "sampled":
         return from_csv(move.samples, move.order, size=len(move.start) or None)
     if move.profile == "three_phase":

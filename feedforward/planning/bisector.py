@@ -21,7 +21,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ...models.errors import PathError, RigError, did_you_mean
-from ...models.rig.rig import Load, Rig
+from ...models.rig.rig import Load, Rig, require_rig
 from ...models.types import Array
 from ..exact.branch import branch_of
 from ..exact.problem import Problem, problem_of
@@ -165,6 +165,7 @@ def massless(rig: Rig, pulley: str = "pulley", rope: str = "suspension") -> Rig:
     RigError
         There is no such pulley or rope, or not just one output of the pulley's.
     """
+    require_rig(rig)
     for kind, name, known in (
         ("pulley", pulley, [load.name for load in rig.loads]),
         ("rope", rope, list(rig.rope_names)),

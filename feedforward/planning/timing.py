@@ -190,8 +190,9 @@ def shortest_duration(
         raise OptionError(f"margin is {margin!r}, it must be a finite number [N]")
     if not 0 < as_number(share) <= 1:
         raise OptionError(f"share is {share!r}, it must be above 0 and at most 1")
+    problem = problem_of(rig)
     start, make = _family(path)
-    verify_reference(make(start), rig.outputs, problem_of(rig).order)
+    verify_reference(make(start), rig.outputs, problem.order)
     bounds = _Bounds(rig, make, float(margin), float(share))
     finer = replace(bounds, samples=FINE)
     good, bad = _boundary(bounds, start)

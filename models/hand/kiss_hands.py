@@ -9,8 +9,9 @@ for objects of a hand's size.
 import math
 from dataclasses import replace
 
+from ..arguments import of_numbers
 from ..errors import RigError
-from ..values import Vector, of_numbers
+from ..values import Vector
 from .catalogue import HAND_CATALOGUE
 from .hand import IN_PLANE, SOLID, Finger, Hand, HeldObject, Plate, Tip, unit
 from .move import HandMove

@@ -14,12 +14,18 @@ from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass, replace
 from typing import Any
 
-from .rig import Rig
+from .rig import Rig, require_rig
 
 
 def fingerprint(rig: Rig) -> str:
-    """SHA-256 of a rig's parts, but not of its name, as 64 hexadecimal digits."""
-    canonical = json.dumps(_plain(replace(rig, name="rig")), sort_keys=True)
+    """SHA-256 of a rig's parts, but not of its name, as 64 hexadecimal digits.
+
+    Raises
+    ------
+    RigError
+        It is no rig.
+    """
+    canonical = json.dumps(_plain(replace(require_rig(rig), name="rig")), sort_keys=True)
     return hashlib.sha256(canonical.encode()).hexdigest()
 
 

@@ -2,7 +2,8 @@
 
 import math
 
-from ..values import Vector, of_numbers
+from ..arguments import of_numbers
+from ..values import Vector
 from .catalogue import CATALOGUE
 from .move import Move
 from .rig import Anchor, Combination, Drive, Frame, Platform, Rail, Rig, Rope, Trolley

@@ -6,7 +6,7 @@ from the weights and leave a third above what the default moves need.
 
 import math
 
-from ..values import of_numbers
+from ..arguments import of_numbers
 from .catalogue import CATALOGUE
 from .move import Move
 from .rig import Anchor, Drive, Frame, Load, Rig, Rope

@@ -25,7 +25,7 @@ from functools import cached_property
 from typing import Literal, TypeVar, overload
 
 from ..errors import RigError, did_you_mean
-from ..values import Home, Vector, clean
+from ..values import Home, Vector, clean, shown
 from . import validation
 from .parts import (
     WORLD,
@@ -272,6 +272,19 @@ class Rig:
             return (cos * x - sin * y, sin * x + cos * y, z)
         a, b, c = frame.axis
         return (x + value * a, y + value * b, z + value * c)
+
+
+def require_rig(value: object) -> Rig:
+    """A rig.
+
+    Raises
+    ------
+    RigError
+        It is none.
+    """
+    if not isinstance(value, Rig):
+        raise RigError(f"rig is {shown(value)}, it must be a Rig; models.make(name) makes one")
+    return value
 
 
 P = TypeVar("P", Frame, Rail, Anchor | Trolley | Load | Platform)

@@ -22,11 +22,26 @@ from typing import Any
 
 import tomli_w
 
+from ..arguments import file_path
 from ..errors import FlatrigError, PathError, RigError, did_you_mean
 from ..files import write_text
+from ..values import shown
 from .catalogue import default_move, make
 from .move import Move
-from .rig import Anchor, Combination, Drive, Frame, Load, Platform, Rail, Rig, Rope, Sheave, Trolley
+from .rig import (
+    Anchor,
+    Combination,
+    Drive,
+    Frame,
+    Load,
+    Platform,
+    Rail,
+    Rig,
+    Rope,
+    Sheave,
+    Trolley,
+    require_rig,
+)
 
 _PARTS = {
     "frames": Frame,
@@ -52,7 +67,7 @@ def load(path: str | Path) -> tuple[Rig, Move | None]:
     PathError
         The move is wrong.
     """
-    path = Path(path)
+    path = file_path("the file of a rig", path)
     try:
         return loads(path.read_text(encoding="utf-8"), path.parent)
     except OSError as error:
@@ -71,7 +86,7 @@ def load_move(path: str | Path) -> Move:
     PathError
         The file cannot be read, or has no move.
     """
-    path = Path(path)
+    path = file_path("the file of a move", path, PathError)
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
         move = _move(table.get("move"), path.parent)
@@ -88,6 +103,8 @@ def load_move(path: str | Path) -> Move:
 
 def loads(text: str, folder: Path = Path()) -> tuple[Rig, Move | None]:
     """As `load`, from the text itself; a move's `samples` are looked for in `folder`."""
+    if not isinstance(text, str):
+        raise RigError(f"the description of a rig is {shown(text)}, it must be TOML text")
     try:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -114,7 +131,16 @@ def loads(text: str, folder: Path = Path()) -> tuple[Rig, Move | None]:
 
 
 def dumps(rig: Rig, move: Move | None = None) -> str:
-    """A rig, and a move if given, as TOML text that `loads` turns back into equals."""
+    """A rig, and a move if given, as TOML text that `loads` turns back into equals.
+
+    Raises
+    ------
+    RigError, PathError
+        They are no rig and no move.
+    """
+    require_rig(rig)
+    if not isinstance(move, Move | None):
+        raise PathError(f"move is {shown(move)}, it must be a Move")
     table: dict[str, Any] = {
         "name": rig.name,
         "dimensions": rig.dimensions,
@@ -137,11 +163,14 @@ def dump(path: str | Path, rig: Rig, move: Move | None = None) -> None:
 
     Raises
     ------
+    RigError, PathError
+        Rig, move or path are none.
     OutputError
         The file cannot be written.
     """
-    if move is not None and move.samples:
-        samples = os.path.relpath(move.samples, Path(path).parent)
+    path = file_path("the file of a rig", path)
+    if isinstance(move, Move) and move.samples:
+        samples = os.path.relpath(move.samples, path.parent)
         move = replace(move, samples=samples)
     write_text(path, dumps(rig, move))
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from ..values import of_numbers
+from ..arguments import of_numbers
 from .catalogue import CATALOGUE
 from .move import Move
 from .rig import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Sheave, Trolley

@@ -19,7 +19,7 @@ from ... import models
 from ...feedforward import Reference, from_move, solve
 from ...feedforward.exact.branch import branch_of
 from ...feedforward.exact.home import approach
-from ...feedforward.exact.problem import problem_of
+from ...feedforward.exact.problem import kept_problem
 from ...models import Rig, default_move
 from ...models.errors import OptionError
 from ...models.types import Array
@@ -105,7 +105,7 @@ def feedforward_table(repetitions: int) -> Table:
 
 def _first(rig: Rig, reference: Reference, times: Array) -> float:
     """Time of a solution with nothing remembered from an earlier one [ms]."""
-    for remembered in (problem_of, branch_of, approach):
+    for remembered in (kept_problem, branch_of, approach):
         remembered.cache_clear()
     begin = time.perf_counter()
     solve(rig, reference, times)
