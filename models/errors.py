@@ -35,6 +35,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     """The names close to a mistyped one, or else all of them, ready to end a message."""
     names = list(known)
     close = difflib.get_close_matches(name, names, n=3)
+    close = close or [known for known in names if known.lower() == name.lower()]
     if close:
         return f"; did you mean {' or '.join(close)}?"
     return f"; known are {', '.join(names)}" if names else ""

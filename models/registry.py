@@ -130,6 +130,16 @@ class Catalogue(Mapping[str, Callable[..., ModelT]], Generic[ModelT, MoveT]):
         """
         return self._entries[self.full_name(name)]
 
+    def parameters(self, name: str) -> tuple[str, ...]:
+        """Names of the parameters that `make` takes.
+
+        Raises
+        ------
+        RigError
+            Nothing in the catalogue is called so.
+        """
+        return tuple(keywords_of(self.entry(name).build))
+
     def make(self, name: str, **overrides: Any) -> ModelT:
         """Build what is registered under a name, with some of its parameters replaced.
 
@@ -139,6 +149,6 @@ class Catalogue(Mapping[str, Callable[..., ModelT]], Generic[ModelT, MoveT]):
             The name or an override is unknown, or a number is wrong.
         """
         entry = self.entry(name)
-        known = keywords_of(entry.build)
+        known = self.parameters(name)
         known_keywords(f"{entry.name} has no parameter", overrides, known, RigError)
         return entry.build(**overrides)

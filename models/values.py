@@ -44,7 +44,10 @@ def as_number(value: object) -> float:
 
 def shown(value: object) -> str:
     """What somebody gave, for a message: on one line, and cut off where it is long."""
-    text = " ".join(repr(value).split())
+    try:
+        text = " ".join(repr(value).split())
+    except RecursionError:  # tables in tables in tables
+        return f"a deeply nested {type(value).__name__}"
     return text if len(text) <= LONGEST_SHOWN else f"{text[: LONGEST_SHOWN - 4]} ..."
 
 

@@ -15,6 +15,7 @@ import functools
 import io
 import itertools
 import operator
+import re
 import signal
 import sys
 from collections.abc import Sequence
@@ -27,10 +28,17 @@ from ..models.files import Ended, is_standard_output, reserving_standard_output,
 from .exits import INTERRUPTED, MISTAKE, NO, complain
 from .options import COMMANDS
 
+FRAME = re.compile("[╭╰]|[─-]{20}")
+"""What stands in every line of the frame, and of those between its compartments."""
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit status."""
-    options = _parse(argv)
+    return run(_parse(argv))
+
+
+def run(options: Any) -> int:
+    """Run the command that options are of; returns the exit status."""
     to_stdout = is_standard_output(getattr(options, "output", ""))
     try:
         with unwinding(), reserving_standard_output() if to_stdout else contextlib.nullcontext():
@@ -73,10 +81,15 @@ def _parse(argv: Sequence[str] | None) -> Any:
 
 
 def _first_part(box: str) -> str:
-    """What tyro says in the first compartment of its box, without the frame."""
-    lines = [line.strip(" │") for line in box.splitlines() if not line.startswith(("╭", "╰"))]
-    first = itertools.takewhile(lambda line: not line.startswith("──"), lines)
-    return " ".join(first) + "; see flatrig --help"
+    """What tyro says in the first compartment of its box, without the frame.
+
+    Where stdout takes ASCII alone there is no frame, and the title has a compartment of its own.
+    """
+    lines = (line.strip(" │") for line in box.splitlines())
+    parts = itertools.groupby(lines, lambda line: bool(FRAME.search(line)))
+    texts = [" ".join(part) for framed, part in parts if not framed]
+    first = texts[0 if box.lstrip().startswith("╭") else 1 :][:1]
+    return f"{' '.join(first)}; see flatrig --help"
 
 
 def _fail(message: str) -> int:

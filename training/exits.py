@@ -14,13 +14,21 @@ NO = 1
 """The answer is no: a move cannot be made, a goal is missed, a number has left its band."""
 MISTAKE = 2
 """Nothing was done: a mistake in options, description or files, or one of the system's refusals."""
+LONGEST = 200
+"""Letters of a word, such as a path, that is said whole."""
 INTERRUPTED = 130
 """As shells have it for the signal SIGINT."""
 
 
 def complain(text: str) -> None:
-    """Say something in one line on stderr, with what cannot be printed as an escape."""
-    line = " ".join(text.split())
+    """Say something in one line on stderr.
+
+    What cannot be printed becomes an escape, and of a word without end only both ends are said.
+    """
+    words = (
+        word if len(word) <= LONGEST else f"{word[:90]}...{word[-90:]}" for word in text.split()
+    )
+    line = " ".join(words)
     shown = "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in line)
     print(f"flatrig: {shown}", file=sys.stderr)
 

@@ -1,46 +1,57 @@
 """The points of a sampled path: rows of a CSV file, and what any table of points must be."""
 
 import csv
+import io
 import math
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 
 from ...models.errors import PathError
+from ...models.reading import read_text
 from ...models.types import Array
+from ...models.values import shown
 from ..checks import LARGEST, check_times
+
+LARGEST_FILE = 256 * 2**20
+"""Size beyond which a CSV file is no recording of a move [bytes]."""
 
 
 def read_rows(name: str) -> tuple[list[int], list[list[float]]]:
     """Line numbers and rows of numbers, without header and empty lines."""
     lines: list[int] = []
     rows: list[list[float]] = []
+    reader = csv.reader(io.StringIO(read_text(name, PathError, largest=LARGEST_FILE)))
+    header_allowed = True
     try:
-        with Path(name).open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file)
-            header_allowed = True
-            for row in reader:
-                cells = [cell.strip() for cell in row]
-                if not any(cells):
-                    continue
-                numbers = [_parse(cell) for cell in cells]
-                first, header_allowed = header_allowed, False
-                if first and all(number is None for number in numbers):
-                    continue
-                for column, (cell, number) in enumerate(zip(cells, numbers, strict=True), 1):
-                    if number is None:
-                        raise PathError(
-                            f"{name} line {reader.line_num}, column {column} is {cell!r}, "
-                            "it must be a number"
-                        )
-                lines.append(reader.line_num)
-                rows.append([number for number in numbers if number is not None])
-    except OSError as error:
-        raise PathError(f"cannot read {name}: {error.strerror or error}") from None
-    except (UnicodeDecodeError, csv.Error):
+        for row in reader:
+            cells = [cell.strip() for cell in row]
+            if not any(cells):
+                continue
+            numbers = [_parse(cell) for cell in cells]
+            first, header_allowed = header_allowed, False
+            if first and all(number is None for number in numbers):
+                continue
+            for column, (cell, number) in enumerate(zip(cells, numbers, strict=True), 1):
+                if number is None:
+                    raise PathError(
+                        f"{name} line {reader.line_num}, column {column} is {shown(cell)}, "
+                        f"it must be a number{_separator(cells)}"
+                    )
+            lines.append(reader.line_num)
+            rows.append([number for number in numbers if number is not None])
+    except csv.Error:
         raise PathError(f"{name} is not a CSV file, its lines must be numbers and commas") from None
     return lines, rows
+
+
+def _separator(cells: list[str]) -> str:
+    """What to do about columns that something else than a comma parts, for a message."""
+    marks = {";": "semicolons", "\t": "tabs", " ": "spaces"}
+    for mark, name in marks.items():
+        if any(mark in cell for cell in cells):
+            return f"; its columns must be parted by commas, not by {name}"
+    return ""
 
 
 def _parse(cell: str) -> float | None:

@@ -10,6 +10,7 @@ CATALOGUE: Catalogue[Rig, Move] = Catalogue("rig", ending="crane")
 
 full_name = CATALOGUE.full_name
 make = CATALOGUE.make
+parameters = CATALOGUE.parameters
 
 
 def default_move(rig: Rig | str) -> Move:

@@ -25,8 +25,9 @@ import tomli_w
 from ..arguments import file_path
 from ..errors import FlatrigError, PathError, RigError, did_you_mean
 from ..files import write_text
-from ..values import shown
-from .catalogue import default_move, make
+from ..reading import read_text
+from ..values import shown, word
+from .catalogue import default_move, make, parameters
 from .move import Move
 from .rig import (
     Anchor,
@@ -54,6 +55,8 @@ _PARTS = {
     "combinations": Combination,
     "drives": Drive,
 }
+LARGEST = 2**20
+"""Size of a file beyond which it is none of a rig [bytes]."""
 _PLAIN = ("name", "dimensions", "gravity", "outputs", "home")
 
 
@@ -68,12 +71,9 @@ def load(path: str | Path) -> tuple[Rig, Move | None]:
         The move is wrong.
     """
     path = file_path("the file of a rig", path)
+    text = read_text(path, RigError, largest=LARGEST)
     try:
-        return loads(path.read_text(encoding="utf-8"), path.parent)
-    except OSError as error:
-        raise RigError(f"cannot read {path}: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise RigError(f"cannot read {path}: it is not a text file") from None
+        return loads(text, path.parent)
     except FlatrigError as error:
         raise type(error)(f"{path}: {error}") from None
 
@@ -87,13 +87,9 @@ def load_move(path: str | Path) -> Move:
         The file cannot be read, or has no move.
     """
     path = file_path("the file of a move", path, PathError)
+    text = read_text(path, PathError, largest=LARGEST)
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-        move = _move(table.get("move"), path.parent)
-    except OSError as error:
-        raise PathError(f"cannot read {path}: {error.strerror}") from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise PathError(f"cannot read {path}: not TOML: {error}") from None
+        move = _move(_table(text, PathError).get("move"), path.parent)
     except FlatrigError as error:
         raise type(error)(f"{path}: {error}") from None
     if move is None:
@@ -105,19 +101,17 @@ def loads(text: str, folder: Path = Path()) -> tuple[Rig, Move | None]:
     """As `load`, from the text itself; a move's `samples` are looked for in `folder`."""
     if not isinstance(text, str):
         raise RigError(f"the description of a rig is {shown(text)}, it must be TOML text")
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise RigError(f"not TOML: {error}") from None
+    table = _table(text, RigError)
     move = _move(table.pop("move", None), folder)
     if "rig" in table:
-        name = str(table.pop("rig"))
-        rig = make(name, **table)
+        rig = _of_catalogue(table)
         return rig, move or default_move(rig)
     known = (*_PLAIN, *_PARTS)
     for key in table:
+        if key in Move.__dataclass_fields__:
+            raise RigError(f"the entry {key!r} belongs to the move, below a line [move]")
         if key not in known:
-            raise RigError(f"unknown entry {key!r}{did_you_mean(key, known)}")
+            raise RigError(f"unknown entry {key!r}{did_you_mean(key, ('rig', *known, 'move'))}")
     parts: dict[str, Any] = {
         kind: _parts(kind, build, table.pop(kind, [])) for kind, build in _PARTS.items()
     }
@@ -175,6 +169,32 @@ def dump(path: str | Path, rig: Rig, move: Move | None = None) -> None:
     write_text(path, dumps(rig, move))
 
 
+def _table(text: str, error: type[FlatrigError]) -> dict[str, Any]:
+    """What TOML says."""
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise error("not TOML of a rig: it is nested too deeply") from None
+    except tomllib.TOMLDecodeError as fault:
+        raise error(f"not TOML: {fault}") from None
+    except ValueError:
+        raise error("not TOML of a rig: a number has thousands of digits") from None
+
+
+def _of_catalogue(table: dict[str, Any]) -> Rig:
+    """The rig that a table names, with its other entries as parameters."""
+    name = word("rig", table.pop("rig"))
+    for key in table:
+        if key in (*_PLAIN, *_PARTS) and key not in parameters(name):
+            raise RigError(
+                f"{key!r} cannot stand beside rig = {name!r}, which has its own; leave it out, or "
+                "describe all parts instead of naming a rig (flatrig.models.dump writes them)"
+            )
+        if key in Move.__dataclass_fields__:
+            raise RigError(f"the entry {key!r} belongs to the move, below a line [move]")
+    return make(name, **table)
+
+
 def _parts(kind: str, build: type, entries: Any) -> list[Any]:
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise RigError(f"{kind} must be an array of tables, [[{kind}]]")
@@ -182,7 +202,8 @@ def _parts(kind: str, build: type, entries: Any) -> list[Any]:
 
 
 def _part(kind: str, build: type, entry: dict[str, Any]) -> Any:
-    label = f"{kind} {entry.get('name', entry.get('at', ''))}".strip()
+    name = entry.get("name", entry.get("at", ""))
+    label = f"{kind} {name}".strip() if isinstance(name, str) else kind
     _check_keys(label, build, entry)
     values = dict(entry)
     if build is Rope:

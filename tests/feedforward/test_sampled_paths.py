@@ -217,7 +217,7 @@ def test_csv_with_other_outputs_or_unreadable(tmp_path):
     with pytest.raises(PathError, match="cannot read"):
         from_csv(tmp_path)
     (tmp_path / "picture.csv").write_bytes(b"\x89PNG\xff\xfe\x00")
-    with pytest.raises(PathError, match="is not a CSV file"):
+    with pytest.raises(PathError, match="is not a text file: byte 0x89 at 0"):
         from_csv(tmp_path / "picture.csv")
 
 

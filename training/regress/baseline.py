@@ -102,7 +102,7 @@ def read(path: str | Path = FILE) -> tuple[dict[Key, float], str]:
         raise OptionError(
             f"--baseline {path}: {error.strerror or error}; --update makes it"
         ) from None
-    except (KeyError, ValueError, TypeError):
+    except (KeyError, ValueError, TypeError, AttributeError, csv.Error):
         raise OptionError(f"--baseline {path}: not a table of flatrig regress") from None
     return stored, first.removeprefix(HEAD)
 

@@ -36,7 +36,7 @@ from .. import options
 from ..console import console, warning
 from ..jobs import Jobs, Processes, Result
 from ..tables import table, write_csv
-from . import episode_cases, random_cases, run_cases, solver_cases, stiff_cases
+from . import episode_cases, fuzz_cases, random_cases, run_cases, solver_cases, stiff_cases
 from .case import ENDINGS, WRONG, Case, Outcome, attempt, kept, verdict
 
 FOLDER = "results/stress"
@@ -77,6 +77,7 @@ def cases(rigs: int, seed: int) -> Iterator[Case]:
     yield from solver_cases.cases()
     yield from episode_cases.cases()
     yield from random_cases.cases(rigs, seed)
+    yield from fuzz_cases.cases(rigs, seed)
 
 
 def _chosen(known: list[Case], only: str) -> list[Case]:
