@@ -51,7 +51,7 @@ bench: $(VENV)/.core  ## measure speed, accuracy in MuJoCo, and error against ru
 	$(BIN)/flatrig accuracy
 
 regress: $(VENV)/.core  ## compare every model and integrator with the stored numbers
-	$(BIN)/flatrig regress
+	$(BIN)/flatrig regress --processes 2
 
 stress: $(VENV)/.core  ## stiff and extreme cases, ten thousand random rigs
 	$(BIN)/flatrig stress

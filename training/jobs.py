@@ -25,7 +25,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
 from multiprocessing import active_children, get_context
 from pathlib import Path
-from typing import Any, Generic, Protocol, TypeVar, get_args, get_type_hints
+from typing import Any, Generic, Protocol, TypeVar, get_args, get_origin, get_type_hints
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -264,10 +264,19 @@ def record(kind: type[Value], entry: Any) -> Value:
     """
     made = kind(**entry)
     for name, hint in get_type_hints(kind).items():
-        kinds = get_args(hint) or (hint,)
-        if not isinstance(getattr(made, name), (*kinds, int) if float in kinds else kinds):
+        if not _fits(getattr(made, name), hint):
             raise TypeError(f"{name} of {entry!r} is not {hint}")
     return made
+
+
+def _fits(value: object, hint: Any) -> bool:
+    """Whether a value is of a type: a plain one, a union of such, or a dictionary of such."""
+    kinds = get_args(hint) or (hint,)
+    if get_origin(hint) is dict:
+        if not isinstance(value, dict):
+            return False
+        return all(_fits(key, kinds[0]) and _fits(item, kinds[1]) for key, item in value.items())
+    return isinstance(value, (*kinds, int) if float in kinds else kinds)
 
 
 def _line(entry: dict[str, Any]) -> str:

@@ -147,7 +147,7 @@ class Accuracy:
 
 @command(".regress.regression:main")
 class Regress:
-    """Run every crane with every integrator of MuJoCo, and compare with the stored numbers."""
+    """Run every crane and hand with every integrator of MuJoCo, and compare with stored numbers."""
 
     rig: Positional[tuple[str, ...]] = ()
     """Names in the catalogue; all of it if left out."""
@@ -158,7 +158,9 @@ class Regress:
     baseline: str = ""
     """CSV file to compare with; the shipped one if left out."""
     update: bool = False
-    """Write the numbers to that file instead of comparing them."""
+    """Write numbers to that file instead of comparing them, with bands from repeated runs."""
+    processes: int = 1
+    """Number of processes that run side by side; they know the package's models only."""
 
 
 @command(".bench.lean:main")

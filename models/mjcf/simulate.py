@@ -71,6 +71,13 @@ def leave_no_log() -> None:
         log.set()
 
 
+def quiet() -> None:
+    """Keep MuJoCo's warnings off the console, too, where a breakdown is an outcome like others."""
+    log = mujoco.MjLogConfig.get()
+    log.logto_console = log.logto_file = False
+    log.set()
+
+
 def _start(name: str, value: ArrayLike, size: int) -> Array:
     """Initial joint positions or velocities, shape (size,)."""
     array = reals(name, value).copy()

@@ -1,93 +1,97 @@
-"""`flatrig regress`: every crane, every integrator of MuJoCo, a ladder of time steps.
+"""`flatrig regress`: every crane and hand, every integrator of MuJoCo, a ladder of time steps.
 
     flatrig regress                 # all; exit status 1 if a number left its band
     flatrig regress rotary          # one
     flatrig regress --resume        # go on after an interruption
-    flatrig regress --update        # store the numbers instead of comparing them
+    flatrig regress --update        # store numbers and measured bands instead of comparing
 
-Two runs each, without a display: the crane's move under exact feedforward, nothing measured, whose
-distance from the path is all error of the simulation; and its free motion, whose energy and
-momentum ought to stay (`drift`).  What the runs cost stands beside it and is never compared.
+A crane makes its move under exact feedforward, and then moves freely (`crane_rows`); a hand rolls
+and holds its object (`hand_rows`); no display is needed.  What the runs cost stands beside it
+and is never compared.
+
+The same numbers come again on one machine; another one rounds differently, and what that does to a
+number depends on how sensitive its run is.  So `--update` repeats every run with noise as large as
+that rounding and stores with each number the band that follows (`quantities`).
 
 A number that left its band says that MuJoCo computes something else than when it was stored, or
-that a model, a move or the feedforward did change.  A run that breaks down, or ends further than
-`LOST` from its path, has an infinite error, and must have one.
+that a model, a move or the feedforward did change.  A run that breaks down, that loses its object,
+or that ends further than `crane_rows.LOST` from its path, has infinite errors, and must have them.
 """
 
-import math
-from collections.abc import Iterable
-from dataclasses import astuple
-from itertools import product
+from collections.abc import Sequence
 from pathlib import Path
 
 import mujoco
-import numpy as np
-from rich.table import Table
 
-from ...feedforward import Reference, from_move
-from ...models import CATALOGUE, Rig, default_move, full_name, make
-from ...models.errors import ModelError
+from ...models import CATALOGUE, HAND_CATALOGUE, default_move, full_name, make
 from ...models.files import make_folder
-from ...models.mjcf import rig_model as mjcf
+from ...models.hand.catalogue import default_hand_move, full_hand_name, make_hand
+from ...models.mjcf.simulate import quiet
 from .. import options
 from ..console import console, warning
-from ..jobs import Jobs, record
-from ..simulate.drift import DURATION, Drift, Free, drift, free_motion
-from ..simulate.open_loop import Prepared, prepare
-from ..tables import table, write_csv
-from . import baseline, regression_figures
+from ..jobs import Jobs, Processes, record
+from ..look_up import is_hand
+from ..simulate.drift import free_motion
+from ..tables import write_csv
+from . import baseline, crane_rows, hand_rows, regression_figures, regression_tables
+from .baseline import Departure, Key, Stored
+from .quantities import QUANTITIES
 from .row import Row
 
-STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4)
-"""Time steps [s]."""
-SUMMARY_STEP = 1e-3
-"""Time step whose numbers stand in the summary [s]."""
-LOST = 1.0
-"""Distance from the path beyond which a number says nothing [m]: runs that swing apart differ from
-one processor to the next."""
-ROUNDED = 1e-9
-"""Error below which rounding decides and a slope shows no order [m]."""
 FOLDER = "results/regress"
+MOST_NAMED = 20
+"""Departures that are named on the console, the largest first; all are in the CSV."""
+
+Unit = tuple[str, float, bool]
+"""Name of a model, time step [s], and whether to repeat the runs with noise."""
 
 
 def main(command: options.Regress) -> int:
     """Run, write `regress.csv` and figures, and compare; 1 if a number left its band."""
-    names = [full_name(name) for name in command.rig] or list(CATALOGUE)
+    options.check_number("processes", command.processes, lowest=1, open_end=False)
+    names = [full_hand_name(name) if is_hand(name) else full_name(name) for name in command.rig]
+    names = list(dict.fromkeys(names)) or [*CATALOGUE, *HAND_CATALOGUE]
     file = Path(command.baseline or baseline.FILE)
-    stored, version = ({}, "") if command.update else baseline.read(file)
+    stored: dict[Key, Stored] = {}
+    version = ""
+    if not command.update or file.exists():  # what cannot be added to is refused before the runs
+        stored, version = baseline.read(file)
     folder, out = Path(command.output or FOLDER), console()
     make_folder(folder)
-    rows = measure(names, folder, command.resume)
-    write_rows(folder / "regress.csv", rows)
-    regression_figures.draw(rows, folder)
-    numbers = {key: value for row in rows for key, value in row.numbers().items()}
+    rows = measure(names, folder, command.resume, command.update, command.processes)
+    numbers = {key: row[name] for row in rows for name, key in row.keys().items()}
+    stored = {} if command.update else stored
     departures = baseline.departures(numbers, stored, names)
-    out.print(summary(rows, {departure.key[:2] for departure in departures}))
-    for name in ("regress.csv", *regression_figures.FILES):
+    write_rows(folder / "regress.csv", rows, stored)
+    departed = {departure.key[:2] for departure in departures}
+    for table in regression_tables.tables(rows, departed):
+        out.print(table)
+    for name in ("regress.csv", *regression_figures.draw(rows, folder)):
         out.print(f"wrote {folder / name}", soft_wrap=True)
     for key, ceiling in baseline.CEILINGS.items():
         if key in numbers:
             out.print(f"{baseline.name(key)} {numbers[key]:.2g}, must be below {ceiling:g}")
-    for departure in departures:
+    largest = sorted(departures, key=lambda departure: -departure.size)
+    for departure in largest[:MOST_NAMED]:
         out.print(warning(str(departure)), soft_wrap=True)
+    if len(departures) > MOST_NAMED:
+        out.print(f"and {len(departures) - MOST_NAMED} more, all in {folder / 'regress.csv'}")
     if command.update:
-        baseline.write(file, numbers)
+        baseline.write(file, _with_bands(rows))
         out.print(f"wrote {file}; MuJoCo {mujoco.__version__}", soft_wrap=True)
-        return 1 if departures else 0
-    new = [key for key in numbers if key not in stored]
-    if new:
-        models = ", ".join(dict.fromkeys(key[0] for key in new))
-        text = f"{len(new)} numbers of {models} have no stored ones; --update stores them"
-        out.print(text, soft_wrap=True)
-    verdict = f"{len(departures)} of {len(numbers)} numbers left their band"
-    if not departures:
-        compared = len(numbers) - len(new)
-        verdict = f"all in band, {compared} numbers" if compared else "nothing was compared"
-    out.print(f"{verdict}; MuJoCo {mujoco.__version__}, stored ones by {version}", soft_wrap=True)
+    else:
+        for line in _verdict(numbers, stored, departures, version):
+            out.print(line, soft_wrap=True)
     return 1 if departures else 0
 
 
-def measure(names: Iterable[str], folder: Path, resume: bool = False) -> list[Row]:
+def measure(
+    names: Sequence[str],
+    folder: Path,
+    resume: bool = False,
+    repeat: bool = False,
+    processes: int = 1,
+) -> list[Row]:
     """All rows of these models; `FOLDER/progress.jsonl` keeps what is done.
 
     Raises
@@ -95,89 +99,77 @@ def measure(names: Iterable[str], folder: Path, resume: bool = False) -> list[Ro
     OutputError
         The folder cannot be written to.
     """
+    units: list[Unit] = []
+    for name in names:
+        steps = hand_rows.STEPS if name in HAND_CATALOGUE else crane_rows.STEPS
+        units += [(name, step, repeat) for step in steps]
     jobs = Jobs(
-        _rows,
+        rows_of,
+        Processes(processes, begin=quiet),
         file=folder / "progress.jsonl",
         resume=resume,
         decode=lambda rows: [record(Row, row) for row in rows],
-        identity=lambda unit: (unit, make(unit[0]), default_move(unit[0]), free_motion(unit[0])),
+        identity=_identity,
     )
-    return [row for rows in jobs.values([*product(names, STEPS)]) for row in rows]
+    return [row for rows in jobs.values(units) for row in rows]
 
 
-def _rows(unit: tuple[str, float]) -> list[Row]:
-    """Rows of a model with a time step [s], one for each integrator."""
-    name, step = unit
-    rig = make(name)
-    reference, free = from_move(default_move(rig)), free_motion(name)
-    prepared = prepare(rig, reference, step)
-    return [_row(rig, reference, prepared, free, kind, step) for kind in mjcf.INTEGRATORS]
+def rows_of(unit: Unit) -> list[Row]:
+    """Rows of a model with a time step, one for each integrator."""
+    make_rows = hand_rows.rows if unit[0] in HAND_CATALOGUE else crane_rows.rows
+    return make_rows(*unit)
 
 
-def _row(
-    rig: Rig, reference: Reference, prepared: Prepared, free: Free, integrator: str, step: float
-) -> Row:
-    model = mjcf.compile(rig, timestep=step, integrator=integrator, visuals=False)
-    try:
-        run = prepared.run(model)
-        error, arrival = float(run.distance.max()), float(run.distance[-1])
-        cost = 1e3 * run.seconds / reference.duration
-    except ModelError:
-        error, arrival, cost = math.inf, math.inf, math.nan
-    if error > LOST:
-        error = arrival = math.inf
-    try:
-        model = mjcf.compile(free.rig, timestep=step, integrator=integrator, visuals=False)
-        energy, momentum = drift(model, free)
-    except ModelError:
-        energy, momentum = Drift(math.inf, math.inf)
-    return Row(rig.name, integrator, step, error, arrival, energy, momentum, cost)
+def _identity(unit: Unit) -> object:
+    """Everything but the sources that rows depend on."""
+    name = unit[0]
+    if name in HAND_CATALOGUE:
+        return unit, make_hand(name), default_hand_move(name)
+    return unit, make(name), default_move(name), free_motion(name)
 
 
-def write_rows(path: Path, rows: list[Row]) -> None:
-    """Write all rows with their costs as CSV.
+def write_rows(path: Path, rows: Sequence[Row], stored: dict[Key, Stored]) -> None:
+    """Write all numbers, what is stored for them, and costs as CSV.
 
     Raises
     ------
     OutputError
         The file cannot be written.
     """
-    columns = ("model", "integrator", "step [s]", "error [m]", "arrival [m]", "energy [J]",
-               "momentum", "cost [ms/s]", "real-time factor")  # fmt: skip
-    write_csv(path, columns, ((*astuple(row), row.real_time_factor) for row in rows), ".6g")
+    columns = ("model", "integrator", "step [s]", "quantity", "unit", "value", "stored", "band",
+               "in band")  # fmt: skip
+    lines: list[tuple[object, ...]] = []
+    for row in rows:
+        place = (row.model, row.integrator, row.step)
+        for name, key in row.keys().items():
+            value, old = row[name], stored.get(key)
+            band = old.band if old else row.bands.get(name)
+            verdict = "" if old is None else "yes" if old.holds(value) else "no"
+            unit = QUANTITIES[name].unit
+            lines.append((*place, name, unit, value, old.value if old else None, band, verdict))
+        lines.append((*place, "cost", "ms/s", row.cost, None, None, ""))
+    write_csv(path, columns, lines, ".9g")
 
 
-def summary(rows: list[Row], departed: set[tuple[str, ...]]) -> Table:
-    """One line for each model and integrator; `departed` have a number out of its band."""
-    lines = table(
-        f"Exact feedforward, and {DURATION:g} s of free motion, in MuJoCo at "
-        f"{1e3 * SUMMARY_STEP:g} ms "
-        "(order: of the error over all steps, at most 2 with held inputs)",
-        "model", "integrator", "error [m]", "arrival [m]", "order",
-        "energy [J]", "momentum", "[ms/s]", "real time x", "",
-    )  # fmt: skip
-    for model in dict.fromkeys(row.model for row in rows):
-        for kind in mjcf.INTEGRATORS:
-            ladder = [row for row in rows if (row.model, row.integrator) == (model, kind)]
-            row = next(row for row in ladder if row.step == SUMMARY_STEP)
-            lines.add_row(
-                model, kind, f"{row.error:.1e}", f"{row.arrival:.1e}", _order(ladder),
-                f"{row.energy:.1e}", _cell(row.momentum, ".0e"),
-                _cell(row.cost, ".2g"), _cell(row.real_time_factor, ".0f"),
-                warning("out of band") if (model, kind) in departed else "",
-            )  # fmt: skip
-    return lines
+def _with_bands(rows: Sequence[Row]) -> dict[Key, Stored]:
+    return {
+        key: Stored(row[name], row.bands[name]) for row in rows for name, key in row.keys().items()
+    }
 
 
-def _cell(value: float, form: str) -> str:
-    """A number; nothing where there is none."""
-    return "" if math.isnan(value) else f"{value:{form}}"
-
-
-def _order(ladder: list[Row]) -> str:
-    """By how many powers of the step the error falls, median over the ladder."""
-    pairs = [(row.step, row.error) for row in ladder if ROUNDED < row.error < LOST]
-    if len(pairs) < 2:
-        return ""
-    steps, errors = np.log(np.array(pairs)).T
-    return f"{np.median(np.diff(errors) / np.diff(steps)):.1f}"
+def _verdict(
+    numbers: dict[Key, float],
+    stored: dict[Key, Stored],
+    departures: Sequence[Departure],
+    version: str,
+) -> list[str]:
+    """What a comparison comes to, in a line or two."""
+    new, lines = [key for key in numbers if key not in stored], []
+    if new:
+        models = ", ".join(dict.fromkeys(key[0] for key in new))
+        lines.append(f"{len(new)} numbers of {models} have no stored ones; --update stores them")
+    verdict = f"{len(departures)} of {len(numbers)} numbers left their band"
+    if not departures:
+        compared = len(numbers) - len(new)
+        verdict = f"all in band, {compared} numbers" if compared else "nothing was compared"
+    return [*lines, f"{verdict}; MuJoCo {mujoco.__version__}, stored ones by {version}"]

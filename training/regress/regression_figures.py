@@ -1,42 +1,60 @@
-"""Figures of `flatrig regress`: error against computing time, and drift against the time step."""
+"""Figures of `flatrig regress`: errors against computing time, and drift against the time step."""
 
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ...models import HAND_CATALOGUE
 from ...models.mjcf import rig_model as mjcf
 from .. import plots
 from .row import Row
 
-FILES = ("error.png", "drift.png")
 MARKS = ("o", "s", "^", "D", "v")
 COLUMNS = 3
 LEAST = 1e-15
 """Where smaller numbers are drawn: they are rounding."""
 
 
-def draw(rows: list[Row], folder: Path) -> None:
-    """Write both figures to a folder.
+def draw(rows: list[Row], folder: Path) -> list[str]:
+    """Write the figures to a folder; returns their names.
 
     Raises
     ------
     OutputError
         They cannot be written.
     """
-    error = _panels(
-        rows,
-        "Exact feedforward in MuJoCo: error against computing time, one mark for each time step",
-        ("computing time [ms per simulated s]", "largest distance from the path [m]"),
-        lambda row: (row.cost, row.error),
-    )
-    plots.save(error, folder / FILES[0])
-    drift = _panels(
-        rows,
-        "Free motion in MuJoCo: energy lost or made in 1 s",
-        ("time step [ms]", "largest departure of the energy [J]"),
-        lambda row: (1e3 * row.step, row.energy),
-    )
-    plots.save(drift, folder / FILES[1])
+    cranes = [row for row in rows if row.model not in HAND_CATALOGUE]
+    hands = [row for row in rows if row.model in HAND_CATALOGUE]
+    figures: dict[str, Any] = {}
+    if cranes:
+        figures["error.png"] = _panels(
+            cranes,
+            "Exact feedforward in MuJoCo: error against computing time, a mark for each time step",
+            ("computing time [ms per simulated s]", "largest distance from the path [m]"),
+            lambda row: (row.cost, row["error"]),
+        )
+        figures["tension.png"] = _panels(
+            cranes,
+            "Exact feedforward in MuJoCo: rope tensions against the exact ones",
+            ("time step [ms]", "largest difference of a tension [N]"),
+            lambda row: (1e3 * row.step, row["tension"]),
+        )
+        figures["drift.png"] = _panels(
+            cranes,
+            "Free motion in MuJoCo: energy lost or made in 1 s",
+            ("time step [ms]", "largest departure of the energy [J]"),
+            lambda row: (1e3 * row.step, row["energy"]),
+        )
+    if hands:
+        figures["slip.png"] = _panels(
+            hands,
+            "Rolling contacts in MuJoCo: way slipped over way rolled",
+            ("time step [ms]", "slip"),
+            lambda row: (1e3 * row.step, row["slip"]),
+        )
+    for name, figure in figures.items():
+        plots.save(figure, folder / name)
+    return list(figures)
 
 
 def _panels(

@@ -1,9 +1,11 @@
 """One run of `flatrig regress`: a model with one integrator and one time step."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 from . import baseline
+from .quantities import REPEATS, Numbers, Shake, bands, shake, still
 
 
 @dataclass(frozen=True)
@@ -16,24 +18,34 @@ class Row:
     """MuJoCo's name of the integrator."""
     step: float
     """Time step [s]."""
-    error: float
-    """Largest distance from the path [m]; infinite if lost."""
-    arrival: float
-    """Distance from the path at arrival [m]; infinite if lost."""
-    energy: float
-    """Largest departure of the free motion's energy [J]."""
-    momentum: float
-    """Largest departure of its momentum, over the momentum."""
     cost: float
     """Time to compute a second of the move [ms]; not a number if it breaks down."""
+    numbers: Numbers
+    """What is compared, by quantity; infinite if the run is lost."""
+    bands: Numbers = field(default_factory=dict)
+    """How well each repeats; empty if nobody has measured it."""
 
-    @property
-    def real_time_factor(self) -> float:
-        """Simulated over computing time."""
-        return 1e3 / self.cost
+    @classmethod
+    def of(
+        cls,
+        place: tuple[str, str, float],
+        run: Callable[[Shake], tuple[Numbers, float]],
+        repeat: bool,
+    ) -> "Row":
+        """A run without noise, and if asked for the same with noise for the bands.
 
-    def numbers(self) -> dict[baseline.Key, float]:
-        """What is compared with the stored numbers."""
-        place = (self.model, self.integrator, self.step)
-        values = {(*place, name): getattr(self, name) for name in baseline.ROUNDING}
-        return {key: value for key, value in values.items() if not math.isnan(value)}
+        `run` returns the numbers and the cost.
+        """
+        numbers, cost = run(still)
+        if not repeat:
+            return cls(*place, cost, numbers)
+        repeated = [run(shake(seed))[0] for seed in range(REPEATS)]
+        return cls(*place, cost, numbers, bands(numbers, repeated))
+
+    def __getitem__(self, quantity: str) -> float:
+        """A number; not a number if there is none."""
+        return self.numbers.get(quantity, math.nan)
+
+    def keys(self) -> dict[str, baseline.Key]:
+        """Under which its numbers are stored, by quantity."""
+        return {name: (self.model, self.integrator, self.step, name) for name in self.numbers}

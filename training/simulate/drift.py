@@ -11,6 +11,7 @@ The rotary crane's is Y's example (2.90, 2.91, table 2.1); the others start at h
 pushed a little.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import mujoco
@@ -61,8 +62,19 @@ def free_motion(name: str) -> Free:
     return Free(make(name, **masses, **inertias), at | {"load.z": -5.0}, rates)
 
 
-def drift(model: mujoco.MjModel, free: Free) -> Drift:
+def drift(
+    model: mujoco.MjModel, free: Free, change: Callable[[Array], Array] = np.asarray
+) -> Drift:
     """Let the rig go in its model.
+
+    Parameters
+    ----------
+    model
+        The rig's model.
+    free
+        The rig with its start.
+    change
+        Changes joint positions (nq,) and velocities (nv,) of the start, as noise does.
 
     Raises
     ------
@@ -73,7 +85,7 @@ def drift(model: mujoco.MjModel, free: Free) -> Drift:
     if free.coordinates:
         qpos, qvel = rig_model.joint_state(free.rig, model, free.coordinates, free.rates)
     steps = round(DURATION / model.opt.timestep)
-    state = run(model, qpos, qvel, np.zeros((steps, model.nu)))
+    state = run(model, change(qpos), change(qvel), np.zeros((steps, model.nu)))
     instants = np.unique(np.linspace(0, steps, INSTANTS + 1).astype(int))
     joints = cyclic(model)
     rows = [_conserved(model, state.qpos[i], state.qvel[i], joints) for i in instants]

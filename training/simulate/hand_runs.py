@@ -39,8 +39,8 @@ class Track:
 
     hand: Hand
     motion: HandMotion
-    forces: Array
-    """Normal forces of the contacts at the beginning [N], shape (fingers,)."""
+    normals: Array
+    """Planned normal forces of the contacts [N], shape (N, fingers)."""
     slides: Array
     """Positions of all slides [m], shape (N, slides)."""
     speeds: Array
@@ -77,11 +77,12 @@ class Track:
         hand = motion.hand
         forces = in_cones(few, MARGIN, PRESS if len(hand.fingers) > 1 else 0.0)
         motors = joint_forces(few, forces).values
-        inputs = [np.interp(motion.times, few.times, column) for column in motors.T]
+        inputs = _between(few.times, motors, motion.times)
+        normals = _between(few.times, forces.normal, motion.times)
         slides = hand_state.slide_positions(hand, motion.finger_positions)
         speeds = hand_state.slide_rates(hand, motion.finger_velocities)
         tips = _turned(motion.tip_velocities, step)
-        return cls(hand, motion, forces.normal[0], slides, speeds, tips, np.stack(inputs, axis=1))
+        return cls(hand, motion, normals, slides, speeds, tips, inputs)
 
 
 def there_and_back(plan: HandPlan, times: Array) -> HandMotion:
@@ -98,6 +99,11 @@ def there_and_back(plan: HandPlan, times: Array) -> HandMotion:
         finger_velocities=sign[..., None] * motion.finger_velocities,
         tip_velocities=sign[..., None] * motion.tip_velocities,
     )
+
+
+def _between(times: Array, values: Array, instants: Array) -> Array:
+    """Values (N, columns) at the instants, linear between those (M, columns) at times (M,)."""
+    return np.stack([np.interp(instants, times, column) for column in values.T], axis=1)
 
 
 def _turned(velocities: Array, step: float) -> Array:
@@ -124,6 +130,8 @@ class HandRun:
     """Distance of the object's centre from its path [m], shape (N,)."""
     turned: Array
     """Angle between its orientation and the planned one [rad], shape (N,)."""
+    normals: Array
+    """How hard each finger presses at the beginning of each step [N], shape (N - 1, fingers)."""
     lost: str
     """The finger that lost the object, or ""."""
 
@@ -142,7 +150,7 @@ def run_track(model: mujoco.MjModel, track: Track, servo: float = SERVO) -> Hand
     hand, motion, data = track.hand, track.motion, mujoco.MjData(model)
     index, log, lost = HandIndex.of(hand, model), ContactLog(hand, model), ""
     pose = motion.position[0], motion.rotation[0], motion.finger_positions[0]
-    qpos = [hand_state.joint_positions(hand, model, *pose, track.forces)]
+    qpos, normals = [hand_state.joint_positions(hand, model, *pose, track.normals[0])], []
     data.qpos[:] = qpos[0]
     apart = np.zeros(len(hand.fingers))
     for k, inputs in enumerate(track.inputs[:-1]):
@@ -152,7 +160,9 @@ def run_track(model: mujoco.MjModel, track: Track, servo: float = SERVO) -> Hand
         if data.warning.number.any():
             raise ModelError(f"the simulation of {hand.name} breaks down at {data.time:.3g} s")
         qpos.append(data.qpos.copy())
-        apart = np.where(log.add(data).touching, 0.0, apart + model.opt.timestep)
+        now = log.add(data)
+        normals.append(now.normal_force)
+        apart = np.where(now.touching, 0.0, apart + model.opt.timestep)
         if apart.max() > LOST:
             lost = hand.finger_names[int(apart.argmax())]
             break
@@ -161,7 +171,7 @@ def run_track(model: mujoco.MjModel, track: Track, servo: float = SERVO) -> Hand
     away = np.linalg.norm(path - motion.position[:count], axis=1)
     planned = Rotation.from_matrix(motion.rotation[:count])
     turned = (Rotation.from_matrix(rotation) * planned.inv()).magnitude()
-    return HandRun(log, np.array(qpos), away, np.asarray(turned), lost)
+    return HandRun(log, np.array(qpos), away, np.asarray(turned), np.array(normals), lost)
 
 
 def _correct(data: mujoco.MjData, track: Track, index: HandIndex, k: int, servo: float) -> None:

@@ -32,6 +32,7 @@ from rich.text import Text
 from ...models import CATALOGUE
 from ...models.errors import OptionError, did_you_mean
 from ...models.files import make_folder
+from ...models.mjcf.simulate import quiet
 from .. import options
 from ..console import console, warning
 from ..jobs import Jobs, Processes, Result
@@ -124,13 +125,6 @@ def _outcome(result: Result[Case, Outcome]) -> Outcome:
     if result.failure is None:
         return verdict(result.item, result.value)
     return Outcome(result.item.row, result.item.label, WRONG, str(result.failure))
-
-
-def quiet() -> None:
-    """Keep MuJoCo's warnings, each of which is an outcome here, off the console and the disk."""
-    log = mujoco.MjLogConfig.get()
-    log.logto_console = log.logto_file = False
-    log.set()
 
 
 def summary(outcomes: Sequence[Outcome]) -> Table:
