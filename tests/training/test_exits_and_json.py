@@ -113,8 +113,10 @@ def test_force_goes_on_all_the_same(
 def told(capsys: pytest.CaptureFixture[str], *argv: str, status: int = 0) -> dict[str, Any]:
     """What a command says as JSON; there is nothing else on stdout, nor NaN in it."""
     assert main([*argv, "--json"]) == status
-    found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    out, err = capsys.readouterr()
+    found = json.loads(out, parse_constant=pytest.fail)
     assert isinstance(found, dict)
+    assert err.startswith("flatrig: ") if status or found.get("feasible", True) is None else not err
     page = DOCS.read_text(encoding="utf-8")
     assert [key for key in keys(found) if f"`{key}`" not in page] == []
     return found

@@ -20,7 +20,8 @@ def drive_all(
     contenders = contenders_for(plant)
     absent = [entry for entry in contenders if entry.learned and not learned]
     running = [entry for entry in contenders if entry not in absent]
-    bar = track(running, "Driving", transient=True, console=console(stderr=True))
+    out = console(stderr=True)
+    bar = track(running, "Driving", transient=True, console=out, disable=not out.is_terminal)
     return [drive(entry) for entry in bar], absent
 
 

@@ -18,7 +18,7 @@ from ...models.errors import OptionError, PathError
 from .. import options
 from ..as_json import show_json
 from ..console import console, warning
-from ..exits import refuse
+from ..exits import complain, refuse
 from ..tables import table, write_csv
 from .feasible import INFEASIBLE
 from .hand_facts import (
@@ -109,8 +109,10 @@ def show_analysis(command: options.Analyse) -> int:
 
 
 def _show_facts(found: Found) -> None:
-    """Print what was found as JSON."""
+    """Print what was found as JSON, and on stderr what keeps the rest from being found."""
     motion, plan = found.motion, found.plan
+    if found.note:
+        complain(f"note: {found.note}")
     show_json(
         {
             "hand": found.hand.name,
