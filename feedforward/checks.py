@@ -2,12 +2,14 @@
 
 import math
 import operator
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..models.errors import PathError
 from ..models.types import Array
-from ..models.values import as_number
+from ..models.values import as_number, reals
 
 SHORTEST, LONGEST = 1e-6, 1e9
 """Durations [s] whose powers, by which derivatives are divided, stay far from overflow."""
@@ -64,7 +66,7 @@ def check_duration(duration: object, name: str = "duration") -> float:
     return number
 
 
-def check_point(name: str, point: object) -> tuple[float, ...]:
+def check_point(name: str, point: Any) -> tuple[float, ...]:
     """A point of the path, one finite coordinate or more, none absurdly large.
 
     Raises
@@ -72,10 +74,7 @@ def check_point(name: str, point: object) -> tuple[float, ...]:
     PathError
         It is something else.
     """
-    try:
-        array = np.atleast_1d(np.asarray(point, dtype=np.float64))
-    except (TypeError, ValueError):
-        raise PathError(f"{name} is {point!r}, it must be finite numbers") from None
+    array = np.atleast_1d(reals(name, point, error=PathError))
     if array.ndim != 1 or array.size == 0 or not np.isfinite(array).all():
         value = point.tolist() if isinstance(point, np.ndarray) else point
         raise PathError(f"{name} is {value!r}, it must be one finite number for each output")
@@ -84,7 +83,7 @@ def check_point(name: str, point: object) -> tuple[float, ...]:
     return tuple(array.tolist())
 
 
-def check_times(times: object) -> Array:
+def check_times(times: ArrayLike) -> Array:
     """Times as an array of shape (N,).
 
     Raises
@@ -93,8 +92,8 @@ def check_times(times: object) -> Array:
         A time is NaN or not a number, or they have another shape.
     """
     try:
-        array = np.atleast_1d(np.asarray(times, dtype=np.float64))
-    except (TypeError, ValueError):
+        array = np.atleast_1d(reals("times", times, error=PathError))
+    except PathError:
         raise PathError("times must be numbers in s, of shape (N,)") from None
     if array.ndim != 1:
         raise PathError(f"times have shape {array.shape}, they must have shape (N,)")

@@ -52,6 +52,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
     OutputError
         The folder cannot be made or written to, or what stands there is read-only or a folder.
     """
+    if not isinstance(path, str | os.PathLike):
+        raise OutputError(f"the file to write is {path!r}, it must be a path, such as 'motion.csv'")
     to_stdout, path = is_standard_output(path), Path(path)
     with _naming(path):
         before = None if to_stdout else _before(path)

@@ -74,7 +74,7 @@ def solve(
     Source: flatness of the cranes, Y 4.105 to 4.122 and K theorem 3; the method is Taylor
     expansion of the differentiated equations, as in Pryce (BIT 41, 2001).
     """
-    instants = check_times(times if np.ndim(times) else [times])
+    instants = check_times(times)
     if not np.isfinite(instants).all():
         i = int(np.flatnonzero(~np.isfinite(instants))[0])
         raise PathError(f"time {i} is {instants[i]}, it must be finite")

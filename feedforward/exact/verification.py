@@ -8,6 +8,7 @@ from ..paths.reference import Reference
 from ..series.rotation import matrix
 from .motion import Motion
 from .problem import Problem, problem_of
+from .refusal import accept_columns
 
 
 def residuals(motion: Motion, reference: Reference) -> Array:
@@ -22,7 +23,10 @@ def residuals(motion: Motion, reference: Reference) -> Array:
     ------
     OptionError
         The motion's inputs are for a controller that holds them, not of its instants.
+    PathError
+        The reference is no path of the rig's outputs.
     """
+    accept_columns(motion.rig, reference)
     if motion.hold:
         raise OptionError(
             f"the inputs are means over holds of {motion.hold:g} s, which satisfy no equation of "

@@ -6,11 +6,12 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...models.errors import PathError
 from ...models.reading import read_text
 from ...models.types import Array
-from ...models.values import shown
+from ...models.values import reals, shown
 from ..checks import LARGEST, check_times
 
 LARGEST_FILE = 256 * 2**20
@@ -61,12 +62,12 @@ def _parse(cell: str) -> float | None:
         return None
 
 
-def as_table(times: object, points: object) -> tuple[Array, Array]:
+def as_table(times: ArrayLike, points: ArrayLike) -> tuple[Array, Array]:
     """Times (N,) and points (N, size) as arrays of these shapes."""
     row = check_times(times)
     try:
-        table = np.asarray(points, dtype=np.float64)
-    except (TypeError, ValueError):
+        table = reals("points", points, error=PathError)
+    except PathError:
         raise PathError("points must be numbers, of shape (N, size)") from None
     if table.ndim != 2 or table.shape[0] != len(row) or table.shape[1] == 0:
         raise PathError(

@@ -18,7 +18,7 @@ def from_move(move: Move) -> Reference:
     Raises
     ------
     PathError
-        The move's numbers make no path, or its file cannot be used.
+        It is no move, or the move's numbers make no path, or its file cannot be used.
     """
     if not isinstance(move, Move):
         raise PathError(f"move is {shown(move)}, it must be a Move")

@@ -238,6 +238,8 @@ def from_csv(
         The file cannot be read, or a row or column of it cannot be used; the message
         names line and column.
     """
+    if not isinstance(path, str | PathLike):
+        raise PathError(f"the file is {path!r}, it must be a path, such as 'path.csv'")
     name = fspath(path)
     lines, rows = read_rows(name)
     if len(rows) < 2:

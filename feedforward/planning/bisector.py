@@ -25,7 +25,7 @@ from ...models.rig.rig import Load, Rig, require_rig
 from ...models.types import Array
 from ..exact.branch import branch_of
 from ..exact.problem import Problem, problem_of
-from ..exact.refusal import failure
+from ..exact.refusal import accept_path, failure
 from ..exact.taylor import expand
 from ..paths.reference import Reference, ReferencePath, taylor_of
 from ..series.products import factorials
@@ -65,10 +65,12 @@ def beside(*parts: Reference) -> Beside:
     Raises
     ------
     PathError
-        There is none.
+        There is none, or something is no path.
     """
     if not parts:
         raise PathError("there is no path to put beside another")
+    for part in parts:
+        accept_path(part)
     return Beside(parts)
 
 

@@ -30,6 +30,7 @@ from ...models.values import as_number
 from ..checks import check_duration
 from ..exact.inverse import solve
 from ..exact.problem import problem_of
+from ..exact.refusal import accept_path
 from ..paths.consistency import verify_reference
 from ..paths.reference import Reference, ReferencePath
 from .feasibility import TAUT, driven_unit
@@ -62,6 +63,7 @@ class Scaled(ReferencePath):
     """When the goal is reached [s]."""
 
     def __post_init__(self) -> None:
+        accept_path(self.path)
         object.__setattr__(self, "duration", check_duration(self.duration))
 
     @property

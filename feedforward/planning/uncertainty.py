@@ -20,6 +20,7 @@ from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..exact.inverse import solve
 from ..exact.motion import Motion
+from ..exact.refusal import accept_columns
 from ..paths.recordings import SampledPath
 from ..paths.reference import Reference
 
@@ -46,9 +47,10 @@ def input_uncertainty(motion: Motion, reference: Reference) -> Array | None:
 
     Raises
     ------
-    RigError, SmoothnessError
-        As `solve`.
+    PathError
+        The reference is no path of the rig's outputs.
     """
+    accept_columns(motion.rig, reference)
     count = min((len(path.rivals) for path in _sampled(reference)), default=0)
     if not count or not len(motion.times):
         return None

@@ -1,6 +1,7 @@
 """Reference paths: exact derivatives, joins to rest, errors."""
 
 import re
+from decimal import Decimal
 from fractions import Fraction
 from math import comb, factorial
 
@@ -8,16 +9,26 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
+from flatrig import models
 from flatrig.feedforward import (
     RestToRest,
     ThreePhase,
+    along,
+    beside,
+    check,
+    from_csv,
     from_move,
     hold,
+    input_uncertainty,
+    residuals,
     rest_to_rest,
     sampled,
+    scaled,
+    solve,
     three_phase,
 )
 from flatrig.models.errors import PathError
+from flatrig.models.files import OutputError
 from flatrig.models.rig.move import Move
 
 START, GOAL = (0.0, -4.0), (5.0, -1.0)
@@ -280,6 +291,54 @@ def test_errors(call, message):
     with pytest.raises(PathError, match="^" + re.escape(message)) as caught:
         call()
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda value: rest_to_rest(START, GOAL, value),
+        lambda value: rest_to_rest((value, -4), GOAL, 3.0),
+        lambda value: hold(value),
+        lambda value: three_phase(START, GOAL, 3.0, value),
+        lambda value: hold(START)([value]),
+        lambda value: sampled([0, value, 3], [[0], [1], [2]]),
+        lambda value: sampled([0, 1, 3], [[0], [value], [2]]),
+        lambda value: sampled([0, 1], [[0], [1]], tolerance=value),
+        lambda value: along([(0, value), (2, -1)], 3.0),
+        lambda value: scaled(hold(START), value),
+        lambda value: solve(models.overhead_crane(), hold(START), value),
+    ],
+)
+@pytest.mark.filterwarnings("error")
+def test_what_a_number_is_does_not_depend_on_where(use):
+    """A fraction is one; what is complex, a text or a decimal is none, and is never cut."""
+    use(Fraction(1, 2))
+    for value in (1j, np.complex128(1.0), "0.5", Decimal("0.5"), None):
+        with pytest.raises(PathError):
+            use(value)
+
+
+@pytest.mark.parametrize("wrong", [None, 3, "x"])
+def test_what_is_no_path_move_or_file_gets_one_line(wrong):
+    rig, path = models.overhead_crane(), rest_to_rest(START, GOAL, 3.0)
+    motion = solve(rig, path, [1.0])
+    calls = [
+        lambda: solve(rig, wrong, [1.0]),
+        lambda: check(rig, wrong),
+        lambda: scaled(wrong, 3.0),
+        lambda: beside(path, wrong),
+        lambda: residuals(motion, wrong),
+        lambda: input_uncertainty(motion, wrong),
+        lambda: from_move(wrong),
+    ]
+    for call in calls:
+        with pytest.raises(PathError, match=r"it must be a (path|Move)"):
+            call()
+    if not isinstance(wrong, str):
+        with pytest.raises(PathError, match="it must be a path, such as"):
+            from_csv(wrong)
+        with pytest.raises(OutputError, match="it must be a path, such as"):
+            motion.to_csv(wrong)
 
 
 def test_any_order_is_the_sum_of_its_bernstein_polynomials():
