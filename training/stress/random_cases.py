@@ -82,7 +82,7 @@ def _solved(rig: Rig, reference: Reference, samples: int) -> Motion:
 
 
 def _wrong(reason: str) -> Finding:
-    return Finding(math.inf, 0.0, reason)
+    return Finding(math.inf, 1.0, reason)
 
 
 def _refused_wrongly(rig: Rig, reference: Reference, reason: str) -> str:

@@ -14,6 +14,9 @@ from ...models import Move, Rig
 WILD = 1 / 3
 """Share of the moves that are wild."""
 
+TURNING = 0.5
+"""Share of a platform's moves that turn it about one axis."""
+
 
 def random_move(rig: Rig, rng: np.random.Generator) -> Move:
     """A move of the rig's outputs from and to somewhere about home."""
@@ -36,6 +39,7 @@ def random_move(rig: Rig, rng: np.random.Generator) -> Move:
         order = int(rng.integers(0, 9))
     start, goal = (home + reach * rng.uniform(-1.0, 1.0, len(home)) for _ in range(2))
     three = order > 0 and rng.random() < 0.3
+    columns = tuple(rig.outputs.index(name) for name in angles)
     return Move(
         start=tuple(start.tolist()),
         goal=tuple(goal.tolist()),
@@ -43,4 +47,5 @@ def random_move(rig: Rig, rng: np.random.Generator) -> Move:
         profile="three_phase" if three else "polynomial",
         order=order,
         blend=float(duration * rng.uniform(0.05, 0.5)),
+        turning=columns if rng.random() < TURNING else (),
     )
