@@ -3,11 +3,13 @@
 The equations of a rig have several solutions (a trolley on the other half of a turning girder, a
 pulley on the other side of its ropes).  The right one continues the rig's home: from there the
 outputs are moved to the start of the path in rest, and then along it, on a grid as fine as needed.
+A pulley without mass is taken to hang where all its ropes pull, if that way leads there or not.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,16 +18,14 @@ from ...models.types import Array
 from ..paths.consistency import verify_reference
 from ..paths.reference import Reference, taylor_of
 from .equations import Equations
-from .home import approach
+from .home import approach, home_unknowns
 from .problem import Problem
+from .pulleys import LOOKS, has_light_pulley, settle
 from .refusal import accept, failure, first_wrong, passing, stay_on_rails
 from .taylor import Solution, expand
 
 GRIDS = (129, 513, 2049)
 """Samples along the path; the next where Newton's method loses its way on one."""
-LIMIT_STEPS = 9
-"""Steps back to a singular start, each to a quarter of the time before: the last one is
-within about 1e-7 of the path's duration of it, which is the accuracy that `solve` states there."""
 MOSTLY = 0.5
 """Share of a path's samples that may be singular places of a pulley without mass."""
 
@@ -76,26 +76,66 @@ def branch_of(problem: Problem, reference: Reference, verify: bool = True) -> Br
     if verify:
         verify_reference(reference, problem.rig.outputs, problem.order)
     equations = problem.equations
-    arrived = approach(problem, tuple(np.asarray(reference.start).tolist()))
-    signs = {block: float(sign[0]) for block, sign in arrived.signs.items()}
-    start = arrived.values[:, -1:]
-    if any(step.loose for step in problem.steps):
-        start = _limit(problem, reference, start)
-    times, solution = _follow(problem, reference, signs, start)
+    outset = _outset(problem, reference)
+    times, solution = _follow(problem, reference, outset)
     path = solution.values
     stay_on_rails(problem.rig, equations.names, path, times)
     rates = np.gradient(path, times[1], axis=1)
     for j, coefficients in enumerate(solution.series):
         if len(coefficients) > 1:
             rates[j] = coefficients[1]
-    way = turning_angles(equations, arrived.values)
-    angles = turning_angles(equations, path, {name: angle[-1] for name, angle in way.items()})
-    return Branch(problem, signs, times, path, rates, angles)
+    angles = turning_angles(equations, path, outset.angles)
+    return Branch(problem, outset.signs, times, path, rates, angles)
 
 
-def _follow(
-    problem: Problem, reference: Reference, signs: dict[int, float], start: Array
-) -> tuple[Array, Solution]:
+class Outset(NamedTuple):
+    """Where a branch starts, with the path."""
+
+    start: Array
+    """All unknowns, shape (unknowns, 1)."""
+    signs: dict[int, float]
+    """Sign of each block's determinant."""
+    angles: dict[str, float]
+    """Continuous angles of the turning frames."""
+    slack: bool
+    """Whether there is a pulley without mass, and no place along the path was found at which all
+    its ropes pull."""
+
+
+def _outset(problem: Problem, reference: Reference) -> Outset:
+    """The start of a path, on the branch that continues the rig's home.
+
+    Raises
+    ------
+    PathError
+        No way from home leads there, nor a search for the pulleys without mass.
+    """
+    home = home_unknowns(problem.equations)
+    light = has_light_pulley(problem)
+    lost = None
+    way, signs = home, {}
+    try:
+        arrived = approach(problem, tuple(np.asarray(reference.start).tolist()))
+        way = arrived.values
+        signs = {block: float(sign[0]) for block, sign in arrived.signs.items()}
+    except PathError as error:
+        if not light:
+            raise
+        lost = error
+    start, slack = way[:, -1:], False
+    if light:
+        start, pulling, sought = settle(problem, reference, home, start)
+        if lost is not None and not pulling:
+            raise lost
+        slack = not pulling
+        signs = pulling or signs
+        if sought:
+            way = np.hstack((home, start))
+    angles = turning_angles(problem.equations, way)
+    return Outset(start, signs, {name: float(angle[-1]) for name, angle in angles.items()}, slack)
+
+
+def _follow(problem: Problem, reference: Reference, outset: Outset) -> tuple[Array, Solution]:
     """Instants along the path, as many as are needed, and the solution there.
 
     Raises
@@ -103,13 +143,16 @@ def _follow(
     PathError
         There is none that continues the start.
     """
-    errors = []
+    start, signs, errors = outset.start, outset.signs, []
     for samples in GRIDS:
         times = np.linspace(0.0, reference.duration, samples)
         taylor = taylor_of(reference, times, problem.order)
         solution = expand(problem, taylor, start, follow=True)
         error = failure(problem, solution, signs, times, taylor[0])
-        error = passing(problem.equations, solution.values, times, taylor[0]) or error
+        # Of a rope that reverses there that is the plainer reason; what lies beyond does not count.
+        first = first_wrong(solution, signs, times)
+        until = slice(None if first is None else first + 1)
+        error = passing(problem.equations, solution.values[:, until], times, taylor[0]) or error
         if error is None:
             break
         errors.append(error)
@@ -118,6 +161,11 @@ def _follow(
         until = slice(first_wrong(solution, signs, times))
         names = problem.equations.names
         stay_on_rails(problem.rig, names, solution.values[:, until], times[until])
+        if outset.slack:
+            raise PathError(
+                f"{errors[-1]}; nor was a place found, at {LOOKS} instants of the path, where all "
+                "ropes at its pulley without mass pull"
+            )
         raise errors[-1]
     if np.ptp(taylor[0], axis=0).any() and solution.straight.mean() > MOSTLY:
         raise PathError(
@@ -141,19 +189,3 @@ def turning_angles(
         turns = np.round((start[name] - angle[0]) / (2.0 * np.pi)) if start else 0.0
         angles[name] = angle + 2.0 * np.pi * turns
     return angles
-
-
-def _limit(problem: Problem, reference: Reference, start: Array) -> Array:
-    """All unknowns (unknowns, 1) at the start, as the limit of the motion that leaves it.
-
-    A pulley without mass that hangs straight below its winch has no place of its own.
-    """
-    first = reference.duration / (GRIDS[0] - 1)
-    back = first * 4.0 ** -np.arange(LIMIT_STEPS)
-    for times in (np.array([0.0, first]), np.array([*back, 0.0])):
-        taylor = taylor_of(reference, times, problem.order)
-        solution = expand(problem, taylor, start, follow=True)
-        if not solution.solved.all():
-            return start  # the path itself will tell what is wrong
-        start = solution.values[:, -1:]
-    return start

@@ -196,6 +196,19 @@ def redundant(
         if name in equations.names and name not in lengths:
             q[..., equations.names.index(name)] = values[name]
             v[..., equations.names.index(name)] = rates[name]
+    _complete(equations, q, v)
+    return q, v
+
+
+def completed(equations: Equations, q: Array) -> Array:
+    """Coordinates (..., n) with those that follow from others, on rails and of ropes, renewed."""
+    q, v = q.copy(), np.zeros_like(q)
+    _complete(equations, q, v)
+    return q
+
+
+def _complete(equations: Equations, q: Array, v: Array) -> None:
+    """Set the coordinates that follow from others, and their rates: on rails and of ropes."""
     _put_on_rails(equations, q, v)
     for rope, constraints in zip(equations.rig.ropes, equations.spans, strict=True):
         chords = [equations.points[b] - equations.points[a] for a, b in pairwise(rope.path)]
@@ -205,7 +218,6 @@ def redundant(
         for k, span in zip(constraints, spans, strict=True):
             i = equations.roles[k].coordinate
             q[..., i], v[..., i] = whole if i == length else span
-    return q, v
 
 
 def _check_names(rig: Rig, *tables: Mapping[str, Array]) -> None:
@@ -221,12 +233,12 @@ def _check_names(rig: Rig, *tables: Mapping[str, Array]) -> None:
 
 
 def _put_on_rails(equations: Equations, q: Array, v: Array) -> None:
-    """Set the Cartesian coordinates of trolleys on turning rails, so far zero."""
+    """Set the Cartesian coordinates of trolleys on turning rails, whatever they were."""
     for k in equations.with_role("rail"):  # Phi is the coordinate less what the rail prescribes
         i = equations.roles[k].coordinate
         slope = equations.constraint_jacobian(q)[..., k, :]
-        q[..., i] = -equations.constraint_values(q)[..., k]
-        v[..., i] = -np.einsum("...i,...i->...", slope, v)
+        q[..., i] -= equations.constraint_values(q)[..., k]
+        v[..., i] -= np.einsum("...i,...i->...", slope, v)
 
 
 def _distance(chord: Array, q: Array, v: Array) -> tuple[Array, Array]:

@@ -6,11 +6,12 @@ from functools import lru_cache
 
 import numpy as np
 
+from ...models.errors import PathError
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from .equations import Equations, redundant
 from .problem import Problem
-from .refusal import failure
+from .refusal import first_wrong, lost, place
 from .taylor import Solution, expand
 
 APPROACHES = (17, 65)
@@ -20,22 +21,30 @@ its way between two of the coarser."""
 
 @lru_cache(maxsize=512)
 def approach(problem: Problem, start: tuple[float, ...]) -> Solution:
-    """The solution in rest from home to the start of a path, by the first way that has one."""
+    """The solution in rest from home to the start of a path, by the first way that has one.
+
+    Raises
+    ------
+    PathError
+        None has.
+    """
     rig = problem.rig
     values, home = _home(problem.equations)
     outputs = np.array([_output(rig, values, name) for name in rig.outputs])
-    when = "on the way from the rig's home to the start"
-    errors = []
+    reasons = []
     for way in _ways(outputs, _unwound(rig, start)):
         taylor = np.zeros((problem.order + 1, *way.shape))
         taylor[0] = way
         solution = expand(problem, taylor, home[:, None], follow=True)
         signs = {block: float(sign[0]) for block, sign in solution.signs.items()}
-        error = failure(problem, solution, signs, np.arange(float(len(way))), way, when)
-        if error is None:
+        wrong = first_wrong(solution, signs, np.arange(float(len(way))))
+        if wrong is None:
             return solution
-        errors.append(error)
-    raise errors[0]
+        reasons.append(f"{place(rig, way[wrong])}: {lost(problem, solution, signs, wrong)}")
+    raise PathError(
+        f"rig {rig.name}: the approach from its home to the start of the path, in rest, is lost at "
+        f"{reasons[0]}"
+    )
 
 
 def _unwound(rig: Rig, outputs: tuple[float, ...]) -> Array:
@@ -56,6 +65,11 @@ def _ways(home: Array, start: Array) -> Iterator[Array]:
     reach = float(np.linalg.norm(start - home))
     for side in (*np.eye(len(home)), *-np.eye(len(home))):
         yield home + share * (start - home) + 2.0 * reach * share * (1.0 - share) * side
+
+
+def home_unknowns(equations: Equations) -> Array:
+    """All unknowns of a rig at home and at rest, shape (unknowns, 1)."""
+    return _home(equations)[1][:, None]
 
 
 def _home(equations: Equations) -> tuple[dict[str, Array], Array]:

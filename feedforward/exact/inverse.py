@@ -64,12 +64,15 @@ def solve(
         The reference has fewer continuous derivatives than the rig needs.
     PathError
         The path leaves the workspace or passes a singular place, and the message
-        says where and when; or it has another number of columns than the rig outputs; or
+        says where and when, and which ropes go slack there; or the approach from the rig's home to
+        the start of the path is lost; or it has another number of columns than the rig outputs; or
         its derivatives contradict one another; or a time is not a finite number.
 
-    A pulley without mass may hang straight below its winch at the start of a path or at its end
-    (Y 6.1.1), where its place is undetermined: it is then the limit of the motion, good to about
-    1e-7 m within the first thousandth of the duration, and its acceleration there to a tenth.
+    A pulley without mass hangs where all its ropes pull; where they do at no place, as on the wrong
+    side of its winches, it continues the rig's home, with ropes that would have to push.  It
+    may hang straight below its winch at the start of a path or at its end (Y 6.1.1), where its
+    place is undetermined: it is then the limit of the motion, good to about 1e-7 m within the first
+    thousandth of the duration, and its acceleration there to a tenth.
 
     Source: flatness of the cranes, Y 4.105 to 4.122 and K theorem 3; the method is Taylor
     expansion of the differentiated equations, as in Pryce (BIT 41, 2001).

@@ -12,6 +12,7 @@ from ..paths.reference import Reference
 from ..paths.turning import FixedAxis
 from .equations import Equations
 from .problem import Problem
+from .slackness import falling, gone_slack
 from .taylor import Solution
 
 MEMBERS = "order", "duration", "size", "start", "goal"
@@ -122,17 +123,20 @@ def first_wrong(solution: Solution, signs: dict[int, float], times: Array) -> in
 
 
 def failure(
-    problem: Problem,
-    solution: Solution,
-    signs: dict[int, float],
-    times: Array,
-    outputs: Array,
-    when: str = "",
+    problem: Problem, solution: Solution, signs: dict[int, float], times: Array, outputs: Array
 ) -> PathError | None:
     """What is wrong at the first wrong sample, with its time and its outputs (N, outputs)."""
     first = first_wrong(solution, signs, times)
     if first is None:
         return None
+    reason = lost(problem, solution, signs, first)
+    if (np.diff(times) > 0).all():
+        reason = _slack_first(problem, solution, times, first, reason)
+    return _refused(problem.rig, f"at t = {times[first]:.4g} s", outputs[first], reason)
+
+
+def lost(problem: Problem, solution: Solution, signs: dict[int, float], first: int) -> str:
+    """Which unknowns have no value at the first wrong sample that continues those before."""
     analysis = problem.analysis
     guilty = [
         block
@@ -141,16 +145,44 @@ def failure(
         or not all(np.isfinite(solution.series[j][0][first]) for j in unknowns)
     ]
     words = list(dict.fromkeys(_in_words(problem, j) for j in analysis.blocks[guilty[0]][1]))
-    lost = " and ".join(words) if len(words) <= NAMED else f"{', '.join(words[:NAMED])}, ..."
+    names = " and ".join(words) if len(words) <= NAMED else f"{', '.join(words[:NAMED])}, ..."
     have = "has" if len(words) == 1 else "have"
-    reason = f"{lost} {have} no value there that continues the motion"
-    return _refused(problem.rig, when or f"at t = {times[first]:.4g} s", outputs[first], reason)
+    return f"{names} {have} no value there that continues the motion"
+
+
+def _slack_first(
+    problem: Problem, solution: Solution, times: Array, first: int, reason: str
+) -> str:
+    """The reason, or in its place the ropes that go slack there; then those that did before."""
+    rig, names = problem.rig, problem.equations.names
+    gone = gone_slack(problem, solution, times, first)
+    here = [f"rope {rope}" for rope, _, now in gone if now]
+    if here:
+        go = "goes" if len(here) == 1 else "go"
+        reason = f"{' and '.join(here)} {go} slack there"
+    before = [
+        f"rope {rope} would have to push from {since:.4g} s on"
+        for rope, since, now in gone
+        if not now
+    ]
+    rates = [2.0 * w[2] if len(w) > 2 else 0.0 * w[0] for w in solution.series[: len(names)]]
+    columns = np.array(rates).T
+    causes = [
+        falling(rig, rope, names, columns, times, (since, float(times[first])))
+        for rope, since, _ in gone
+    ]
+    return "; ".join([reason, *before, *dict.fromkeys(filter(None, causes))])
+
+
+def place(rig: Rig, outputs: Array) -> str:
+    """The outputs (outputs,) by name."""
+    pairs = zip(rig.outputs, outputs, strict=True)
+    return ", ".join(f"{name} = {value:.4g}" for name, value in pairs)
 
 
 def _refused(rig: Rig, when: str, outputs: Array, reason: str) -> PathError:
-    pairs = zip(rig.outputs, outputs, strict=True)
-    place = ", ".join(f"{name} = {value:.4g}" for name, value in pairs)
-    return PathError(f"rig {rig.name} cannot follow the path {when} ({place}): {reason}")
+    where = place(rig, outputs)
+    return PathError(f"rig {rig.name} cannot follow the path {when} ({where}): {reason}")
 
 
 def _in_words(problem: Problem, unknown: int) -> str:

@@ -29,6 +29,7 @@ from ..exact.inverse import solve
 from ..exact.motion import Motion, Slack
 from ..exact.problem import problem_of
 from ..exact.refusal import RAIL_TOLERANCE, accept_columns
+from ..exact.slackness import falling
 from ..paths.consistency import verify_reference
 from ..paths.reference import Reference, ReferencePath
 from .uncertainty import endless, input_uncertainty
@@ -185,7 +186,7 @@ def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
         return Feasibility(rig, reference, needed, tuple(problems), str(error), None, (), ())
     sizing = _sizings(motion, path)
     problems += _off_rails(motion)
-    problems += [str(part) for part in motion.slack]
+    problems += [_slack(motion, part) for part in motion.slack]
     problems += _slack_at_rest(motion)
     problems += [
         f"drive {part.drive} would need {part.largest:.4g} {part.unit} at {part.when:.4g} s, "
@@ -266,6 +267,13 @@ def _off_rails(motion: Motion) -> list[str]:
                 f"rail {rail.name} goes from {rail.start:g} m to {rail.end:g} m"
             )
     return sentences
+
+
+def _slack(motion: Motion, slack: Slack) -> str:
+    """A sentence for a rope that would have to push, and for a load that would fall too fast."""
+    table = motion.coordinate_names, motion.accelerations, motion.times
+    cause = falling(motion.rig, slack.rope, *table, (slack.start, slack.end))
+    return f"{slack}: {cause}" if cause else str(slack)
 
 
 def _slack_at_rest(motion: Motion) -> list[str]:
