@@ -9,12 +9,12 @@ from typing import get_args, get_type_hints
 import numpy as np
 
 from ...models import CATALOGUE
-from ..commands import COMMANDS
+from ..options import COMMANDS
 from ..rig_options import RigOptions
 
 Random = np.random.Generator
 
-NO_NUMBERS = ("", "x", "1..0", "--", "0x10", "1,5", "ten", "1e", "∞")
+NO_NUMBERS = ("", "x", "1..0", "0x10", "1,5", "ten", "1e", "∞")
 NO_RIGS = (
     "", "overheat", "nowhere.toml", "./", "/", "a\0b.toml", "overhead.toml/x.toml", "-",
     "overhead crane", "x" * 5000 + ".toml", "../..", "file.toml", "é",
