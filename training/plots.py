@@ -43,10 +43,13 @@ def heading(figure: Any, text: str) -> None:
     figure.suptitle(text, x=0.012, ha="left", fontsize=11, fontweight="bold")
 
 
-def legend_below(figure: Any, axes: Any) -> None:
-    """Legend of the lines of one panel, below all panels."""
-    lines, texts = axes.get_legend_handles_labels()
-    figure.legend(lines, texts, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+def legend_below(figure: Any, *axes: Any) -> None:
+    """Legend of the lines of some panels, below all panels."""
+    named = [pair for ax in axes for pair in zip(*ax.get_legend_handles_labels(), strict=True)]
+    lines, texts = zip(*named, strict=True)
+    columns = len(named) if len(named) < 6 else 4
+    options = {"loc": "outside lower center", "ncols": columns, "fontsize": 8, "frameon": False}
+    figure.legend(lines, texts, **options)
 
 
 def save(drawn: Any, path: str | Path) -> None:

@@ -7,7 +7,7 @@ from PIL import Image
 from flatrig.training import cli, plots
 from flatrig.training.reproduce import figures_k3_loop, kiss_crane
 from flatrig.training.reproduce.entry import Sheet, entries, entry
-from flatrig.training.reproduce.gallery import NOTES
+from flatrig.training.reproduce.figures_y_captions import NOTES
 from flatrig.training.tables import table
 
 ENTRIES = entries()
@@ -38,7 +38,7 @@ def test_entries_stand_in_the_order_of_their_numbers():
 def test_a_new_entry_is_one_function(capsys, tmp_path, monkeypatch):
     monkeypatch.setattr("flatrig.training.reproduce.entry._REGISTERED", {})
 
-    @entry("Z9.1", "nothing at all, twice")
+    @entry("Z9.1", "nothing at all, twice", "No machine, [2] numbers.")
     def nothing():
         figure, _ = plots.figure(2.0, 2.0)
         columns = {"time": np.array([0.0, 1.0]), "what, exactly": ["none", "none"]}
@@ -49,12 +49,13 @@ def test_a_new_entry_is_one_function(capsys, tmp_path, monkeypatch):
     assert cli.main(["reproduce", "z9.1", "-o", str(tmp_path)]) == 0
     said = capsys.readouterr().out
     assert "how much" in said
+    assert "Z9.1: No machine, [2] numbers." in said
     for suffix in (".png", ".csv"):
         assert f"wrote {tmp_path / 'Z9.1'}{suffix}" in said
     assert (tmp_path / "Z9.1.csv").read_text() == 'time,"what, exactly"\n0,none\n1,none\n'
     assert cli.main(["reproduce", "all", "--page", str(tmp_path / "page.md")]) == 0
     page = (tmp_path / "page.md").read_text()
-    assert "![Z9.1: nothing at all, twice](page/Z9.1.png)" in page
+    assert "No machine, [2] numbers.\n\n![Z9.1: nothing at all, twice](page/Z9.1.png)" in page
     assert (tmp_path / "page" / "Z9.1.png").exists()
 
 

@@ -67,7 +67,12 @@ class Departure(NamedTuple):
     """Distance of the load from its exact place at the end [m]."""
 
 
-@entry("integrators", "what integrators keep of the free crane")
+@entry(
+    "integrators",
+    "what integrators keep of the free crane",
+    "The crane of Y2.7 let go, trolley at 1.5 m, for 1 s, by every scheme and by MuJoCo's. Y shows "
+    "two of them at one step each.",
+)
 def integrators() -> Sheet:
     """Departures, errors and condition numbers over the step."""
     runs, conditions = [*measure(), *in_mujoco()], _conditions()

@@ -1,6 +1,6 @@
 """What can be reproduced: each figure or claim is registered where it is made.
 
-    @entry("K3.19", "tracking and fixed set point: the boom")
+    @entry("K3.19", "tracking and fixed set point: the boom", "The small crane along ...")
     def boom() -> Sheet:
         figure, axes = plots.figure(6.0, 4.0)
         sheets.panel(axes, "Boom", times, [angle], "[deg]", xlabel="time [s]")
@@ -46,6 +46,8 @@ class Entry:
     """What it shows, for the list."""
     make: Callable[[], Sheet]
     """Function that computes and draws it."""
+    caption: str = ""
+    """Machine, path, what is compared, and where and why the result differs from print."""
 
     def run(self, folder: Path) -> tuple[Table, list[Path]]:
         """Make it, and write `NAME.png` and `NAME.csv` as far as there is something to write.
@@ -75,11 +77,13 @@ class Entry:
 _REGISTERED: dict[str, Entry] = {}
 
 
-def entry(name: str, title: str) -> Callable[[Callable[[], Sheet]], Callable[[], Sheet]]:
+def entry(
+    name: str, title: str, caption: str = ""
+) -> Callable[[Callable[[], Sheet]], Callable[[], Sheet]]:
     """Register the function below as what makes an entry."""
 
     def register(make: Callable[[], Sheet]) -> Callable[[], Sheet]:
-        _REGISTERED[name] = Entry(name, title, make)
+        _REGISTERED[name] = Entry(name, title, make, caption)
         return make
 
     return register

@@ -17,12 +17,22 @@ from ...models.types import Array
 from .. import plots
 from ..tables import table
 from .entry import Sheet, entry
+from .labels import label
 
 SAMPLES = 401
 SNAPSHOTS = 5
 COLOURS = plots.COLOURS[3:]
 """Colours of angles, and of fingers."""
 DARK = "#202020"
+PLANAR_HAND = (
+    "`two_finger_hand` (K examples 5 and 7: m = 0.5 kg as printed; R = 5 cm, r = 2 cm and the move "
+    "are not printed), from (0, 0.2) m, 0 rad to (0.1, 0.3) m, pi/6 in 2 s, degree 5: velocities "
+    "and accelerations vanish at both ends, for which K's kappa = 4 is one too few. z is K's y."
+)
+CORNER = (
+    "`ball_in_corner` (K example 4, R = 1 cm), orientation from 0 to RPY (pi/3, pi/6, pi/4) in "
+    "10 s, polynomial; K does not print the ends."
+)
 K_TABLE = (
     ("2D", "> 1", "yes", "yes", ""),
     ("3D", "1", "no", "yes", ""),
@@ -46,7 +56,7 @@ def _motion(name: str) -> HandMotion:
     return plan_hand(make_hand(name), move)(np.linspace(0.0, move.duration, SAMPLES))
 
 
-@entry("K2.13", "planar hand: object and fingers")
+@entry("K2.13", "planar hand: object and fingers", PLANAR_HAND)
 def planar() -> Sheet:
     """K 2.13."""
     from matplotlib.patches import Circle
@@ -64,14 +74,16 @@ def planar() -> Sheet:
             size = _radius(motion.hand, i)
             place = tuple(motion.finger_positions[k, i, ::2].tolist())
             left.add_patch(Circle(place, size, color=COLOURS[i], alpha=0.6 * strength, linewidth=0))
-            label = finger.name if k == 0 else None
-            left.plot(*place, ".", color=COLOURS[i], markersize=3, label=label)
+            known = finger.name if k == 0 else None
+            left.plot(*place, ".", color=COLOURS[i], markersize=3, label=known)
     left.plot(x, z, color=DARK, linewidth=1.0, linestyle=(0, (1, 1.5)))
     for i in range(2):
         left.plot(*motion.finger_positions[:, i, ::2].T, color=COLOURS[i], linewidth=1.3)
     plots.title(left, "Object and fingers at five instants")
     left.set(xlabel="x [m]", ylabel="z [m]", aspect="equal")
     left.legend(fontsize=8, loc="upper left")
+    chosen = np.linspace(0, SAMPLES - 1, SNAPSHOTS).astype(int)
+    label(left, motion.position[chosen][:, [0, 2]], [f"{motion.times[k]:g} s" for k in chosen])
     columns = {"x [m]": x, "z [m]": z, "angle [rad]": motion.angle}
     lines(right, "Position and orientation of the object", motion.times, columns)
     right.set_xlabel("time [s]")
@@ -117,7 +129,13 @@ def _angles(motion: HandMotion) -> dict[str, Array]:
     return {f"{name} [rad]": angle for name, angle in zip(names, motion.rpy.T, strict=True)}
 
 
-@entry("K2.15", "ball rolling without spin: orientation")
+@entry(
+    "K2.15",
+    "ball rolling without spin: orientation",
+    "`ball_on_plate` without spin (K example 1), from RPY (pi/3, pi/4, 0) to (pi/4, 0, pi/3) in "
+    "10 s as printed: psi a cubic in theta (K 2.105), phi its integral. The contact's path, which "
+    "follows by integration, is not in print.",
+)
 def without_spinning() -> Sheet:
     """K 2.15, and where the contact goes."""
     motion = _motion("ball_on_plate")
@@ -143,7 +161,7 @@ def without_spinning() -> Sheet:
     return Sheet(summary, figure, {"time": motion.times, **columns})
 
 
-@entry("K2.16", "ball in a corner: orientation")
+@entry("K2.16", "ball in a corner: orientation", CORNER)
 def in_corner() -> Sheet:
     """K 2.16."""
     motion = _motion("ball_in_corner")
@@ -156,7 +174,11 @@ def in_corner() -> Sheet:
     return Sheet(summary, figure, {"time": motion.times, **columns})
 
 
-@entry("K2.17", "ball in a corner: contact points")
+@entry(
+    "K2.17",
+    "ball in a corner: contact points",
+    f"{CORNER} Contacts follow by integration and cannot be prescribed (K remark 16).",
+)
 def contacts_in_corner() -> Sheet:
     """K 2.17."""
     motion = _motion("ball_in_corner")
@@ -188,7 +210,12 @@ def _path(ax: Any, path: Array, heading: str, axes: str) -> None:
     ax.set_aspect("equal", adjustable="datalim")
 
 
-@entry("K2.table", "which hands are holonomic, flat, Liouvillian")
+@entry(
+    "K2.table",
+    "which hands are holonomic, flat, Liouvillian",
+    "K table 2.1 against the ranks that are found for every hand of the catalogue; the last column "
+    "is the reason.",
+)
 def classification() -> Sheet:
     """K's table 2.1 beside the ranks found, with the reasons."""
     summary = table(

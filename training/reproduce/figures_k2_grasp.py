@@ -27,7 +27,7 @@ from ...models.types import Array, Mask
 from .. import plots
 from ..tables import table
 from .entry import Sheet, entry
-from .figures_k2 import DARK, lines
+from .figures_k2 import DARK, PLANAR_HAND, lines
 
 SAMPLES = 401
 MARGIN = 0.2
@@ -38,6 +38,14 @@ PRESS = 0.05
 """How hard every finger presses at least, as a share of the weight."""
 NET = {"color": DARK, "linestyle": (0, (1, 1.5)), "linewidth": 1.2, "label": "sum"}
 _THREE = "three_finger_hand"
+EXAMPLE_8 = (
+    "`three_finger_hand` (K example 8: m = 0.2 kg, R = 0.1 m, r = 0.02 m), the printed move of 1 s "
+    "from (0.1, 0.1, 0.1) m to (0.15, 0.15, 0.2) m and RPY (pi/6, pi/6, -pi/6), and the "
+    "catalogue's, which ends with other contacts. Shaded: forces outside the cones (friction 1), "
+    "or none. K's forces all press only with three slips: 2.109 has a contact's angles the other "
+    "way round, the second contact begins at 11 pi/6 for the printed 13 pi/6, and arms and forces "
+    "are in different axes."
+)
 
 
 def _moved(hand: Hand, move: HandMove) -> HandMotion:
@@ -106,7 +114,12 @@ def _misread() -> dict[str, ContactForces]:
     }
 
 
-@entry("K2.14", "contact forces of K2.13, and in the cones")
+@entry(
+    "K2.14",
+    "contact forces of K2.13, and in the cones",
+    f"{PLANAR_HAND} Forces of least norm, as in print, beside forces in the friction cones. "
+    "Shaded: forces outside the cones (friction 1); one finger would have to pull.",
+)
 def planar_forces() -> Sheet:
     """K 2.14, least norm beside forces in the cones."""
     motion = _moved(make_hand("two_finger_hand"), default_hand_move("two_finger_hand"))
@@ -125,7 +138,11 @@ def planar_forces() -> Sheet:
     return _finish(figure, axes, cases)
 
 
-@entry("K2.18", "three fingers: contact forces")
+@entry(
+    "K2.18",
+    "three fingers: contact forces",
+    f"{EXAMPLE_8} The printed net force is the dotted sum.",
+)
 def three_finger_forces() -> Sheet:
     """K 2.18, which is the dotted sum, with the fingers' shares: least norm, and in the cones."""
     cases = {name: forces for name, forces in _three_fingers().items() if "as K" not in name}
@@ -134,7 +151,11 @@ def three_finger_forces() -> Sheet:
     return _finish(figure, axes, cases)
 
 
-@entry("K2.19", "three fingers: where forces pull or slip")
+@entry(
+    "K2.19",
+    "three fingers: where forces pull or slip",
+    f"{EXAMPLE_8} Cosine of a force with the outward normal: -1 presses squarely, above 0 pulls.",
+)
 def cosines() -> Sheet:
     """K 2.19, and with the arms in space."""
     cases = _three_fingers()

@@ -19,6 +19,16 @@ from .entry import Sheet, entry
 
 DURATIONS = {"horizontal": 1.2, "parabola": 1.2, "straight": 0.8}
 """Durations of the moves [s]."""
+PATHS = {
+    "horizontal": "from (14.2, 1.5, -5) to (0.4, 16, -5) cm in 1.2 s, straight, degree 13.",
+    "parabola": "from (14.2, 1.5, -5) to (0.4, 16, -5) cm in 1.2 s, 5 cm over the straight line.",
+    "straight": "from (14.2, 1.5, -5) to (0.4, 16, 5) cm in the printed 0.8 s, degree 13.",
+}
+"""The moves in words."""
+MISSING = (
+    "The moves' ends are not printed; these are K 3.5's, 10 cm higher in space. "
+    f"{kiss_crane.NOT_PRINTED}, and 1.2 s. Hence shapes can be compared with print, heights cannot."
+)
 HEADINGS = {
     "horizontal": "Horizontal move",
     "parabola": "Parabola over an obstacle",
@@ -32,7 +42,11 @@ MOTORS = {"tagline": "T1", "suspension": "T2", "hoist": "T3", "boom": "T4"}
 """K's names of the inputs (K figure 3.12)."""
 
 
-@entry("K3.18", "speed and torque of the boom's motor in K3.17")
+@entry(
+    "K3.18",
+    "speed and torque of the boom's motor in K3.17",
+    f"{kiss_crane.SPATIAL} {PATHS['straight']} Feedforward, without a gear at the boom. {MISSING}",
+)
 def boom_motor() -> Sheet:
     """K 3.18: no gear between boom and motor is assumed."""
     motion = _motion("straight")
@@ -118,11 +132,14 @@ def _unit(motor: str) -> tuple[float, str]:
     return (1.0, "N m") if motor == "boom" else (1e3, "mN m")
 
 
-for _name, _title, _draw, _kind in (
-    ("K3.13", "horizontal move of the small Navy crane's load", _path, "horizontal"),
-    ("K3.14", "torques for the move of K3.13", _torques, "horizontal"),
-    ("K3.15", "the same places joined by a parabola", _path, "parabola"),
-    ("K3.16", "torques for the move of K3.15", _torques, "parabola"),
-    ("K3.17", "straight move in space", _path, "straight"),
+_WAY = "The load's exact path."
+_TORQUES = "Feedforward torques T1, T3, T4 as in print, and T2 in the table."
+for _name, _title, _draw, _kind, _shown in (
+    ("K3.13", "horizontal move of the small Navy crane's load", _path, "horizontal", _WAY),
+    ("K3.14", "torques for the move of K3.13", _torques, "horizontal", _TORQUES),
+    ("K3.15", "the same places joined by a parabola", _path, "parabola", _WAY),
+    ("K3.16", "torques for the move of K3.15", _torques, "parabola", _TORQUES),
+    ("K3.17", "straight move in space", _path, "straight", _WAY),
 ):
-    entry(_name, _title)(partial(_draw, _kind))
+    _says = f"{kiss_crane.SPATIAL} {PATHS[_kind]} {_shown} {MISSING}"
+    entry(_name, _title, _says)(partial(_draw, _kind))

@@ -23,10 +23,23 @@ STAND_IN = 1e-4
 """Mass in place of the planar crane's massless pulley [kg]."""
 PLANAR_START = (-0.13, -0.42)
 """Where the load of the planar crane rests at first, from P [m]; not printed."""
+STUDY = (
+    f"{kiss_crane.SPATIAL} from (14.2, 1.5, -5) to (0.4, 16, -5) cm in 2.5 s, straight, degree 13, "
+    "as printed, run in MuJoCo: PD on encoders with a fixed set point, the same PD with the moving "
+    "reference, and the reference. The load starts 2.2 cm beside the reference; K only says that "
+    f"it does. {kiss_crane.NOT_PRINTED}, and the gains."
+)
 NAMES = ("fixed set point", "tracking", "reference")
 
 
-@entry("K3.20", "PD holds the planar Navy crane")
+@entry(
+    "K3.20",
+    "PD holds the planar Navy crane",
+    "The small planar Navy crane (K 3.4.2: load 0.2 kg, l = 0.35 m, boom at 0.445 rad, J = "
+    "6.25e-3, printed gains) by a step of the set point from (-13, -42) to the printed "
+    "(-10, -50) cm, 20 s in MuJoCo; dotted: the set point. The start is not "
+    "printed. J is taken for J/r^2 in kg.",
+)
 def planar() -> Sheet:
     """K 3.20: from one rest to the other, by a step of the set point."""
     regulator = kiss_crane.planar_regulator()
@@ -59,7 +72,7 @@ def planar() -> Sheet:
     return Sheet(summary, figure, {"time": t, "x": places[:, 0], "z": places[:, 1], "W": energy})
 
 
-@entry("K3.21", "tracking and fixed set point: the load")
+@entry("K3.21", "tracking and fixed set point: the load", STUDY)
 def load() -> Sheet:
     """K 3.21: the load in the horizontal and the vertical plane."""
     reference, *courses = study()
@@ -95,14 +108,14 @@ def load() -> Sheet:
     return Sheet(table("Tracking study, K 3.5", "", *NAMES[:2], rows=cells), figure, columns)
 
 
-@entry("K3.22", "tracking and fixed set point: the ropes")
+@entry("K3.22", "tracking and fixed set point: the ropes", STUDY)
 def ropes() -> Sheet:
     """K 3.22."""
     names = [rope.coordinate for rope in kiss_crane.spatial().ropes]
     return _over_time("Rope lengths", "[cm]", names, 1e2)
 
 
-@entry("K3.23", "tracking and fixed set point: the angles")
+@entry("K3.23", "tracking and fixed set point: the angles", STUDY)
 def angles() -> Sheet:
     """K 3.23: of the boom, and of the lower hoist rope in and across the boom's plane."""
     return _over_time(
@@ -110,7 +123,7 @@ def angles() -> Sheet:
     )
 
 
-@entry("K3.24", "tracking and fixed set point: the torques")
+@entry("K3.24", "tracking and fixed set point: the torques", STUDY)
 def torques() -> Sheet:
     """K 3.24."""
     return _over_time("Torques", "[N m]", [*kiss_crane.spatial().input_names], 1.0)

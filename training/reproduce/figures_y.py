@@ -5,13 +5,14 @@ Navy crane in space with a heavy pulley), derivatives at its joins are one-sided
 """
 
 import time
+from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from rich.table import Table
 
-from ...feedforward import Motion, analyse, driven_unit, equations_of, from_move, solve
+from ...feedforward import Motion, analyse, from_move, solve
 from ...feedforward.dae import integrate
 from ...feedforward.paths.profiles import ThreePhase
 from ...feedforward.planning.feasibility import AsSmooth
@@ -20,12 +21,42 @@ from .. import console, plots
 from ..tables import table
 from . import sheets, snapshots
 from .entry import Sheet, entry
+from .figures_y_captions import caption
 from .figures_y_data import FIGURES, Case, Lines, Run, Snapshots
+from .quantities import quantity, sort_of, unit
 
 SAMPLES = 2000
 """Intervals between the samples of the exact solution."""
 FLAT = 1e-6
 """A quantity that spans less is drawn as a constant."""
+NOTHING = 1e-9
+"""A quantity that never exceeds this is zero but for rounding, and has no relative error."""
+RUNS: tuple[dict[str, Any], ...] = (
+    {"color": plots.COLOURS[4], "linewidth": 4.0},
+    {"color": plots.COLOURS[1], "linewidth": 2.4},
+    {"color": plots.COLOURS[5], "linewidth": 1.3},
+)
+"""Styles of numerical solutions: narrower ones on wider ones, so that coinciding curves show."""
+ALONE = {"color": plots.COLOURS[4], "linewidth": 2.0}
+"""Style of the only numerical solution."""
+SORTS: dict[str, dict[str, Any]] = {
+    "coordinates": {"color": plots.COLOURS[3], "linewidth": 1.3},
+    "inputs": {"color": plots.COLOURS[2], "linewidth": 1.3},
+    "multipliers": {"color": plots.COLOURS[5], "linewidth": 1.3},
+}
+"""Styles of the errors of one run."""
+
+
+class Solution(NamedTuple):
+    """A numerical solution, and the exact one at its steps."""
+
+    run: Run
+    motion: Motion
+    truth: Motion
+
+    def error(self, name: str) -> Array:
+        """How far a quantity is from the exact one at each step, (N,)."""
+        return np.abs(quantity(self.motion, name) - quantity(self.truth, name))
 
 
 def draw(name: str, content: Lines | Snapshots) -> Sheet:
@@ -37,7 +68,7 @@ def draw(name: str, content: Lines | Snapshots) -> Sheet:
 
 
 for _name, _content in FIGURES.items():
-    entry(_name, _content.title)(partial(draw, _name, _content))
+    entry(_name, _content.title, caption(_name, _content))(partial(draw, _name, _content))
 
 
 def exact(case: Case, times: Array) -> Motion:
@@ -52,93 +83,124 @@ def exact(case: Case, times: Array) -> Motion:
 def _lines(figure_name: str, sheet: Lines) -> Sheet:
     """Curves over time, and how far the numerical ones are from the exact one."""
     truth = exact(sheet.case, np.linspace(0.0, sheet.case.path.duration, SAMPLES + 1))
-    columns = 2 if len(sheet.panels) > 1 else 1
-    rows = -(-len(sheet.panels) // columns)
-    figure, axes = plots.figure(
-        4.6 * columns, 1.9 * rows + 0.6, nrows=rows, ncols=columns, sharex=True, squeeze=False
-    )
     summary = table(
         f"{figure_name}: {sheet.title}", "run", "step [s]", "coordinates [m, rad]",
         "inputs [N, N m]", "over the largest", "steps", "time [s]",
     )  # fmt: skip
-    data = {"time": truth.times} | {name: _quantity(truth, name) for name in sheet.panels}
-    for number, run in enumerate(sheet.runs):
-        motion = _run(summary, sheet.case, run)
-        style = {"color": plots.COLOURS[(4, 3, 5)[number % 3]], "linewidth": 1.5}
-        for ax, name in zip(axes.flat, sheet.panels, strict=False):
-            ax.plot(motion.times, _quantity(motion, name), label=run.label, **style)
-            data[f"{name}, {run.label}"] = np.interp(
-                truth.times, motion.times, _quantity(motion, name)
-            )
+    solutions = [_solve(summary, sheet.case, run) for run in sheet.runs]
+    data = {"time": truth.times} | {name: quantity(truth, name) for name in sheet.panels}
+    for run, motion, _ in solutions:
+        for name in sheet.panels:
+            values = quantity(motion, name)
+            data[f"{name}, {run.label}"] = np.interp(truth.times, motion.times, values)
+    if len(solutions) == 1:
+        figure, more = _with_one_error(sheet, truth, solutions[0])
+    else:
+        figure, more = _with_each_error(sheet, truth, solutions)
+    return Sheet(summary, figure, data | more)
+
+
+def _with_one_error(
+    sheet: Lines, truth: Motion, solution: Solution
+) -> tuple[Any, dict[str, Array]]:
+    """A panel for each quantity, and one for their errors over the largest values."""
+    count = len(sheet.panels) + 1
+    rows = -(-count // 2)
+    figure, axes = plots.figure(
+        9.2, 1.55 * rows + 1.0, nrows=rows, ncols=2, sharex=True, squeeze=False
+    )
     for ax, name in zip(axes.flat, sheet.panels, strict=False):
-        ax.plot(truth.times, data[name], label="exact", **sheets.EXACT)
-        plots.title(ax, name)
-        ax.set_ylabel(_unit(truth, name))
-    _finish(figure, axes, len(sheet.panels))
-    return Sheet(summary, figure, data)
+        _values(ax, sheet, name, truth, [solution])
+    panel, shares = axes.flat[count - 1], _shares(sheet, truth, solution)
+    styles = [{"label": f"error of {sort}", **SORTS[sort]} for sort in shares]
+    steps = solution.motion.times
+    sheets.errors(panel, [steps] * len(shares), [*shares.values()], 1.0, styles)
+    plots.title(panel, "largest error over the largest value")
+    sheets.time_axes(axes, count)
+    plots.legend_below(figure, axes.flat[0], panel)
+    data = {f"error of {sort}": np.interp(truth.times, steps, s) for sort, s in shares.items()}
+    return figure, data
 
 
-def _finish(figure: Any, axes: Any, used: int) -> None:
-    """Legend, labels, and room around lines that do not move but for rounding."""
-    axes.flat[0].legend(fontsize=8)
-    for ax in axes.flat[:used]:
-        low, high = ax.get_ylim()
-        if high - low < FLAT:
-            middle = 0.5 * (low + high)
-            ax.set_ylim(middle - 0.5, middle + 0.5)
-    for ax in axes.flat[used:]:
-        ax.set_visible(False)
-    for ax in axes.flat[max(0, used - axes.shape[1]) : used]:
-        ax.tick_params(labelbottom=True)
-        ax.set_xlabel("time [s]")
-    figure.align_ylabels()
+def _shares(sheet: Lines, truth: Motion, solution: Solution) -> dict[str, Array]:
+    """For each sort of quantity the largest error over the quantity's largest value, (N,)."""
+    shares: dict[str, Array] = {}
+    for name in sheet.panels:
+        largest = float(np.abs(quantity(truth, name)).max())
+        if largest > NOTHING:
+            share, sort = solution.error(name) / largest, sort_of(name)
+            shares[sort] = np.maximum(share, shares.get(sort, 0.0))
+    return shares
 
 
-def _run(summary: Table, case: Case, run: Run) -> Motion:
+def _with_each_error(
+    sheet: Lines, truth: Motion, solutions: Sequence[Solution]
+) -> tuple[Any, dict[str, Array]]:
+    """Beside each quantity how far each solution is from the exact one."""
+    rows = len(sheet.panels)
+    figure, axes = plots.figure(
+        9.2, 1.55 * rows + 1.0, nrows=rows, ncols=2, sharex=True, squeeze=False
+    )
+    data: dict[str, Array] = {}
+    for (ax, beside), name in zip(axes, sheet.panels, strict=True):
+        _values(ax, sheet, name, truth, solutions)
+        steps = [solution.motion.times for solution in solutions]
+        errors = [solution.error(name) for solution in solutions]
+        largest = float(np.abs(quantity(truth, name)).max())
+        sheets.errors(beside, steps, errors, largest, RUNS)
+        plots.title(beside, f"error of ${sheet.panels[name]}$")
+        beside.set_ylabel(f"[{unit(truth, name)}]")
+        for solution, error in zip(solutions, errors, strict=True):
+            label = f"error of {name}, {solution.run.label}"
+            data[label] = np.interp(truth.times, solution.motion.times, error)
+    sheets.time_axes(axes, 2 * rows)
+    plots.legend_below(figure, axes.flat[0])
+    return figure, data
+
+
+def _values(ax: Any, sheet: Lines, name: str, truth: Motion, solutions: Sequence[Solution]) -> None:
+    """A quantity's curves, with room around one that does not move but for rounding."""
+    styles = RUNS if len(solutions) > 1 else (ALONE,)
+    for (run, motion, _), style in zip(solutions, styles, strict=False):
+        ax.plot(motion.times, quantity(motion, name), label=run.label, **style)
+    ax.plot(truth.times, quantity(truth, name), label="exact", **sheets.EXACT)
+    plots.title(ax, f"${sheet.panels[name]}$   {name}")
+    ax.set_ylabel(f"[{unit(truth, name)}]")
+    low, high = ax.get_ylim()
+    if high - low < FLAT:
+        middle = 0.5 * (low + high)
+        ax.set_ylim(middle - 0.5, middle + 0.5)
+
+
+def _solve(summary: Table, case: Case, run: Run) -> Solution:
     """Integrate, and add a row to the table: largest errors at the steps."""
     reference = from_move(case.path)
     begin = time.perf_counter()
     integration = integrate(case.rig, reference, step=run.step, formulation=run.formulation)
     seconds = time.perf_counter() - begin
     motion = integration.motion
-    truth = exact(case, motion.times)
-    columns = [(motion.column(name), truth.column(name)) for name in case.rig.coordinate_names]
-    places = max(
-        float(np.abs(motion.positions[:, i] - truth.positions[:, j]).max()) for i, j in columns
-    )
-    inputs = np.abs(motion.inputs - truth.inputs).max(axis=0)
-    largest = np.abs(truth.inputs).max(axis=0)
-    share = np.divide(inputs, largest, out=np.zeros_like(inputs), where=largest > 1e-9).max()
+    solution = Solution(run, motion, exact(case, motion.times))
+    places = max(float(solution.error(name).max()) for name in case.rig.coordinate_names)
+    inputs = np.abs(motion.inputs - solution.truth.inputs).max(axis=0)
+    largest = np.abs(solution.truth.inputs).max(axis=0)
+    share = np.divide(inputs, largest, out=np.zeros_like(inputs), where=largest > NOTHING).max()
     summary.add_row(
         run.formulation, f"{run.step:g}", f"{places:.1e}", f"{inputs.max():.3g}",
         f"{share:.1%}", str(integration.counters.steps), f"{seconds:.2f}",
     )  # fmt: skip
     if integration.failure is not None:
         summary.add_row(console.warning(str(integration.failure)))
-    return motion
+    return solution
 
 
-def _quantity(motion: Motion, name: str) -> Array:
-    """A coordinate, an input, or a multiplier, (N,)."""
-    kind, _, what = name.partition(" ")
-    if kind == "input":
-        return motion.inputs[:, motion.rig.input_names.index(what)]
-    if kind == "multiplier":
-        return motion.multipliers[:, equations_of(motion.rig).constraint_names.index(what)]
-    return motion.positions[:, motion.column(name)]
-
-
-def _unit(motion: Motion, name: str) -> str:
-    kind, _, what = name.partition(" ")
-    if kind == "multiplier":
-        return "[N/m]"
-    if kind == "input":
-        drive = motion.rig.drives[motion.rig.input_names.index(what)]
-        return f"[{driven_unit(motion.rig, drive)}]"
-    return "[rad]" if name.endswith((".angle", ".alpha", ".beta", ".gamma")) else "[m]"
-
-
-@entry("Y4.6", "the three-phase profile")
+@entry(
+    "Y4.6",
+    "the three-phase profile",
+    "No machine: the reference function of the rotary crane's and later moves, 20 s with blends "
+    "of 5 s, and its derivatives. The printed coefficients 14/2 and 7/2 (Y 4.126, 4.128, 5.100) "
+    "do not join the phases; 14 and 7 do, and the third phase has the opposite sign. Four "
+    "derivatives are continuous.",
+)
 def reference_function() -> Sheet:
     """Y 4.6: the three-phase profile and its derivatives, with the coefficients that join."""
     duration, blend = 20.0, 5.0
@@ -149,8 +211,9 @@ def reference_function() -> Sheet:
     figure, axes = plots.figure(6.0, 7.0, nrows=5, sharex=True)
     summary = table("Y4.6: the three-phase profile", "", "lowest", "highest")
     for order, (ax, name, row) in enumerate(zip(axes, names, values, strict=True)):
-        unit = "" if order == 0 else f"[1/s^{order}]"
-        sheets.panel(ax, name, times, [row], unit)
-        summary.add_row(f"{name} {unit}", f"{row.min():.4g}", f"{row.max():.4g}")
+        label = ("", "[1/s]", "[1/s²]", "[1/s³]", "[1/s⁴]")[order]
+        sheets.panel(ax, name, times, [row], label)
+        summary.add_row(f"{name} {label}", f"{row.min():.4g}", f"{row.max():.4g}")
     axes[-1].set_xlabel("time [s]")
+    figure.align_ylabels()
     return Sheet(summary, figure, {"time": times, **dict(zip(names, values, strict=True))})

@@ -18,6 +18,7 @@ from .. import plots
 from ..tables import table
 from . import crane_by_angles, sheets
 from .entry import Sheet, entry
+from .labels import label
 from .snapshots import FAINT, ROPE, STRUCTURE
 
 ANGLES_PLACE, ANGLES_STEP = 1.5, 1e-4
@@ -32,6 +33,20 @@ GIRDER = 5.0
 """How long the girder is drawn [m]."""
 DRUM = 0.25
 """How large the winch is drawn [m]."""
+LET_GO = (
+    "The rotary crane of Y table 2.1 (bodies of 100, 50, 3 and 10 kg) without inputs, let go for "
+    "1 s: girder turning at 1 rad/s (printed as 1 m/s, Y 2.91), rope 5 m,"
+)
+BY_ANGLES = f"{LET_GO} trolley at 1.5 m (Y 2.90). Generalised coordinates, midpoint rule, 1e-4 s."
+BY_DIRECTORS = (
+    f"{LET_GO} trolley at 2.5 m (Y 2.4.2), so this is not the motion of Y2.7 and Y2.8, though Y "
+    "calls the two identical. Directors, energy-momentum scheme, 1e-2 s."
+)
+KEPT = (
+    "The lower row shows what is lost, which is below the width of a line. The origin is at the "
+    "top of the pillar, not at half its height: printed energies are larger by a constant."
+)
+POSES = "Poses with their times, which Y does not tell; the dotted line is the load's way."
 
 
 class Let(NamedTuple):
@@ -88,25 +103,25 @@ def by_directors(place: float = DIRECTORS_PLACE, step: float = DIRECTORS_STEP) -
     )
 
 
-@entry("Y2.7", "rotary crane let go, by angles: energy")
+@entry("Y2.7", "rotary crane let go, by angles: energy", f"{BY_ANGLES} {KEPT}")
 def angles_balance() -> Sheet:
     """Y 2.7: energy and angular momentum at steps of 1e-4 s."""
     return _balance("Y2.7", by_angles(), "generalised coordinates, midpoint rule", ANGLES_STEP)
 
 
-@entry("Y2.10", "rotary crane let go, by directors: energy")
+@entry("Y2.10", "rotary crane let go, by directors: energy", f"{BY_DIRECTORS} {KEPT}")
 def directors_balance() -> Sheet:
     """Y 2.10: energy and angular momentum at steps of 1e-2 s."""
     return _balance("Y2.10", by_directors(), "rotationless, energy-momentum", DIRECTORS_STEP)
 
 
-@entry("Y2.8", "rotary crane let go, by angles: snapshots")
+@entry("Y2.8", "rotary crane let go, by angles: snapshots", f"{BY_ANGLES} {POSES}")
 def angles_snapshots() -> Sheet:
     """Y 2.8."""
     return _snapshots("Y2.8", by_angles(), "Rotary crane let go, trolley at 1.5 m")
 
 
-@entry("Y2.11", "rotary crane let go, directors: snapshots")
+@entry("Y2.11", "rotary crane let go, directors: snapshots", f"{BY_DIRECTORS} {POSES}")
 def directors_snapshots() -> Sheet:
     """Y 2.11."""
     return _snapshots("Y2.11", by_directors(), "Rotary crane let go, trolley at 2.5 m")
@@ -141,10 +156,6 @@ def _snapshots(name: str, let: Let, heading: str) -> Sheet:
     for i, opacity in zip(chosen, np.linspace(FAINT, 1.0, len(chosen)), strict=True):
         for ax, pair in ((above, [0, 1]), (side, [1, 2])):
             _picture(ax, let, i, pair, opacity)
-        side.annotate(
-            f"{let.times[i]:.1f} s", let.load[i, 1:], (-7, -12), fontsize=8, ha="right",
-            textcoords="offset points", color="#404040",
-        )  # fmt: skip
         summary.add_row(f"{let.times[i]:.1f}", *(f"{value:.3f}" for value in let.load[i]))
     for ax, pair, title in ((above, [0, 1], "From above"), (side, [1, 2], "Along the x axis")):
         ax.plot(
@@ -154,6 +165,8 @@ def _snapshots(name: str, let: Let, heading: str) -> Sheet:
         ax.set(xlabel=f"{'xyz'[pair[0]]} [m]", ylabel=f"{'xyz'[pair[1]]} [m]")
         ax.set_aspect("equal", adjustable="datalim")
     plots.heading(figure, heading)
+    for ax, pair in ((above, [0, 1]), (side, [1, 2])):
+        label(ax, let.load[chosen][:, pair], [f"{let.times[i]:.1f} s" for i in chosen])
     return Sheet(summary, figure)
 
 

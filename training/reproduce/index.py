@@ -38,6 +38,8 @@ def main(command: options.Reproduce) -> None:
     make_folder(folder)
     for entry in chosen:
         summary, files = entry.run(folder)
+        if entry.caption:
+            out.print(f"{entry.name}: {entry.caption}", markup=False, highlight=False)
         out.print(summary)
         for path in files:
             out.print(f"wrote {path}", soft_wrap=True)

@@ -35,6 +35,13 @@ HEIGHT = 0.2
 START_ERROR = (0.02, -0.01)
 """How far the load really hangs from there, in x and y [m]; K only says that it does."""
 
+NOT_PRINTED = (
+    "Not printed and chosen: pulley 20 g, boom 1 kg at the radius of P, k = s = 0.2 m, drums of "
+    "10 mm"
+)
+SPATIAL = "The small Navy crane in space (K 3.3, 3.5: load 250 g, l = 0.35 m, boom at 0.445 rad),"
+"""For captions."""
+
 STIFFNESS, DAMPING = (3.0, 40.0, 17.0, 1.4), (3.0, 8.0, 22.0, 0.15)
 """Gains in space for tagline, suspension, hoist [N/m, N s/m] and boom [N m/rad, N m s/rad]: from a
 search for those with which the set point of the tracking study is reached soonest, ropes taut."""

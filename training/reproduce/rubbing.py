@@ -72,7 +72,13 @@ class Winches:
         batch.bind("ctrl")[:, winding] += radii * force
 
 
-@entry("friction", "winch friction and its compensation, K remarks 31, 32")
+@entry(
+    "friction",
+    "winch friction and its compensation, K remarks 31, 32",
+    "The planar crane of K3.20 under PD, from (-13, -42) to (-10, -50) cm: how far the load is "
+    "from its goal, without friction, with it, and with it compensated. No figure of K shows this "
+    "and no coefficient is printed.",
+)
 def friction() -> Sheet:
     """The planar crane under PD, from rest to rest, with and without friction."""
     regulator = kiss_crane.planar_regulator()

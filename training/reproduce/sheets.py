@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from ...models.types import Array
 from .. import plots
 
@@ -33,6 +35,42 @@ def panel(
         axes.plot(x, row, label=name, **style)
     plots.title(axes, heading)
     axes.set(ylabel=y_label, **labels)
+
+
+ROUNDING = 2.0**-52
+"""Errors below this share of a quantity's largest value are rounding, and drawn as that."""
+
+
+def errors(
+    ax: Any, x: Sequence[Array], rows: Sequence[Array], scale: float, styles: Sequence[Any]
+) -> None:
+    """Draw errors over time, both (N,) a line, on a logarithmic axis.
+
+    Not at the first instant, which is given and has none.  `scale` is the largest value of what
+    the errors are of.
+    """
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    floor = ROUNDING * (scale or 1.0)
+    rows = [np.maximum(row[1:], floor) for row in rows]
+    for places, row, style in zip(x, rows, styles, strict=False):
+        ax.plot(places[1:], row, **style)
+    low, high = min(row.min() for row in rows), max(row.max() for row in rows)
+    ax.set_yscale("log")
+    ax.set_ylim(0.3 * low, max(3.0 * high, 1e3 * low))
+    ax.yaxis.set_major_locator(LogLocator(numticks=5))
+    ax.yaxis.set_minor_formatter(NullFormatter())
+
+
+def time_axes(axes: Any, used: int) -> None:
+    """Hide what is not used of a grid of panels, and give each column's lowest one a time axis."""
+    columns = axes.shape[1]
+    for k, ax in enumerate(axes.flat):
+        ax.set_visible(k < used)
+        if k < used <= k + columns:
+            ax.tick_params(labelbottom=True)
+            ax.set_xlabel("time [s]")
+    axes.flat[0].figure.align_ylabels()
 
 
 def views(axes: Sequence[Any], paths: Sequence[Array], names: Sequence[str | None]) -> None:

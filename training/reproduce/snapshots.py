@@ -5,14 +5,14 @@ from typing import Any
 
 import numpy as np
 
-from ...feedforward import Motion, equations_of, redundant
+from ...feedforward import Motion
 from ...models.types import Array
 from .. import plots
 from ..tables import table
 from .entry import Sheet
 from .figures_y_data import Snapshots
-
-Places = dict[str, Array]
+from .labels import label
+from .quantities import Places, places_of
 
 INSTANTS = 6
 """Pictures of the mechanism in one figure."""
@@ -24,10 +24,10 @@ SAMPLES = 401
 
 def draw(sheet: Snapshots, motion: Motion) -> Sheet:
     """Snapshots, and a table of where the payload is."""
-    places = world(motion)
+    places = places_of(motion)
     chosen = np.linspace(0, len(motion.times) - 1, INSTANTS).astype(int)
     figure, axes = plots.figure(
-        5.0 * len(sheet.views) + 1.0, 5.0, ncols=len(sheet.views), squeeze=False
+        3.5 * len(sheet.views) + 1.6, 4.6, ncols=len(sheet.views), squeeze=False
     )
     for ax, view in zip(axes[0], sheet.views, strict=True):
         pair = ["xyz".index(axis) for axis in view]
@@ -37,19 +37,40 @@ def draw(sheet: Snapshots, motion: Motion) -> Sheet:
         ax.set(xlabel=f"{view[0]} [m]", ylabel=f"{view[1]} [m]")
         ax.set_aspect("equal", adjustable="datalim")
     plots.heading(figure, sheet.title)
+    instants = [f"{motion.times[i]:.3g} s" for i in chosen]
+    rig = motion.rig
+    corners = [a.name for a in rig.anchors if a.frame in {p.name for p in rig.platforms}]
+    parts = [*(mass.name for mass in (*rig.hanging, *rig.trolleys)), *corners]
+    for ax, view in zip(axes[0], sheet.views, strict=True):
+        pair = ["xyz".index(axis) for axis in view]
+        name = followed(places, parts, chosen, pair)
+        label(ax, places[name][chosen][:, pair], instants)
     way = places[motion.rig.hanging[-1].name]
     rows = ((f"{motion.times[i]:.3g}", *(f"{value:.3f}" for value in way[i])) for i in chosen)
     heading = f"{sheet.title}: where the payload is [m]"
     return Sheet(table(heading, "time [s]", "x", "y", "z", rows=rows), figure)
 
 
-def world(motion: Motion) -> Places:
-    """Where every anchor and mass is, (N, 3) each [m]."""
-    rig, equations = motion.rig, equations_of(motion.rig)
-    values = {name: motion.positions[:, motion.column(name)] for name in rig.coordinate_names}
-    state, _ = redundant(equations, values, {name: 0.0 * value for name, value in values.items()})
-    state = np.hstack((state, np.ones((len(state), 1))))
-    return {name: state @ rows.T for name, rows in equations.points.items()}
+def followed(places: Places, names: Sequence[str], chosen: Array, pair: list[int]) -> str:
+    """The part whose poses lie farthest apart in a view: where times are best written.
+
+    Parameters
+    ----------
+    places
+        Where the parts are, (N, 3) each.
+    names
+        The parts to choose from.
+    chosen
+        The instants that are drawn, (P,).
+    pair
+        The two axes of the view.
+    """
+
+    def apart(name: str) -> float:
+        steps = np.diff(places[name][chosen][:, pair], axis=0)
+        return float(np.linalg.norm(steps, axis=1).min())
+
+    return max(names, key=apart)
 
 
 def _picture(ax: Any, motion: Motion, places: Places, opacity: float) -> None:

@@ -77,7 +77,12 @@ class Point(NamedTuple):
     """Wall-clock time [s]."""
 
 
-@entry("squeezer", "work and precision on the squeezing mechanism")
+@entry(
+    "squeezer",
+    "work and precision on the squeezing mechanism",
+    "The mechanism of Y3.2 to Y3.8, angles at 0.03 s against the median of four converged methods. "
+    "Y shows no such figure. The published angles are good to about nine digits.",
+)
 def squeezer() -> Sheet:
     """Error over work; the table is of the finest point of each method."""
     points = measure()
