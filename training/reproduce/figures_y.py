@@ -4,7 +4,6 @@ The exact solution is `feedforward.solve`.  Where the source's move is not smoot
 Navy crane in space with a heavy pulley), derivatives at its joins are one-sided, as in `check`.
 """
 
-import time
 from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
@@ -85,7 +84,7 @@ def _lines(figure_name: str, sheet: Lines) -> Sheet:
     truth = exact(sheet.case, np.linspace(0.0, sheet.case.path.duration, SAMPLES + 1))
     summary = table(
         f"{figure_name}: {sheet.title}", "run", "step [s]", "coordinates [m, rad]",
-        "inputs [N, N m]", "over the largest", "steps", "time [s]",
+        "inputs [N, N m]", "over the largest", "steps",
     )  # fmt: skip
     solutions = [_solve(summary, sheet.case, run) for run in sheet.runs]
     data = {"time": truth.times} | {name: quantity(truth, name) for name in sheet.panels}
@@ -175,9 +174,7 @@ def _values(ax: Any, sheet: Lines, name: str, truth: Motion, solutions: Sequence
 def _solve(summary: Table, case: Case, run: Run) -> Solution:
     """Integrate, and add a row to the table: largest errors at the steps."""
     reference = from_move(case.path)
-    begin = time.perf_counter()
     integration = integrate(case.rig, reference, step=run.step, formulation=run.formulation)
-    seconds = time.perf_counter() - begin
     motion = integration.motion
     solution = Solution(run, motion, exact(case, motion.times))
     places = max(float(solution.error(name).max()) for name in case.rig.coordinate_names)
@@ -186,7 +183,7 @@ def _solve(summary: Table, case: Case, run: Run) -> Solution:
     share = np.divide(inputs, largest, out=np.zeros_like(inputs), where=largest > NOTHING).max()
     summary.add_row(
         run.formulation, f"{run.step:g}", f"{places:.1e}", f"{inputs.max():.3g}",
-        f"{share:.1%}", str(integration.counters.steps), f"{seconds:.2f}",
+        f"{share:.1%}", str(integration.counters.steps),
     )  # fmt: skip
     if integration.failure is not None:
         summary.add_row(console.warning(str(integration.failure)))

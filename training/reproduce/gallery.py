@@ -35,7 +35,7 @@ symbol first and the name in the code after it. Numerical curves of Y chapters 4
 Euler's, as in print, with the exact solution dotted. Curves that coincide are told apart by their
 errors, on logarithmic axes. Rope multipliers are shown as tension over length, positive in a rope
 that pulls; a sign or factor before the symbol says how the source counts it. Wall times are those
-of one run on two shared cores.
+of one run on two cores.
 """
 
 
