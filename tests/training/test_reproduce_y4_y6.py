@@ -16,7 +16,7 @@ import flatrig
 from flatrig.training.reproduce import figures_y, snapshots
 from flatrig.training.reproduce.entry import entries
 from flatrig.training.reproduce.figures_y_data import FIGURES, Lines, Snapshots
-from flatrig.training.reproduce.quantities import quantity
+from flatrig.training.reproduce.shown import quantity
 
 ROOT3 = math.sqrt(3.0)
 LINES = [name for name, content in FIGURES.items() if isinstance(content, Lines)]

@@ -22,7 +22,7 @@ from . import sheets, snapshots
 from .entry import Sheet, entry
 from .figures_y_captions import caption
 from .figures_y_data import FIGURES, Case, Lines, Run, Snapshots
-from .quantities import quantity, sort_of, unit
+from .shown import quantity, sort_of, unit
 
 SAMPLES = 2000
 """Intervals between the samples of the exact solution."""

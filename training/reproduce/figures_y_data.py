@@ -50,7 +50,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Lines:
-    """Quantities over time, as `quantities` names them."""
+    """Quantities over time, as `shown` names them."""
 
     title: str
     """What the figure shows."""

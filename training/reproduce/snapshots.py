@@ -12,7 +12,7 @@ from ..tables import table
 from .entry import Sheet
 from .figures_y_data import Snapshots
 from .labels import label
-from .quantities import Places, places_of
+from .shown import Places, places_of
 
 INSTANTS = 6
 """Pictures of the mechanism in one figure."""
