@@ -12,6 +12,9 @@ NEWTON_TOLERANCE = 1e-13
 """Newton's method ends when a step is below this fraction of the unknowns' size: the next one,
 about its square, is lost in rounding, and the last digits of a smaller step are rounding
 themselves."""
+STALLED = 1e-10
+"""Steps that stay below this fraction of the unknowns' size, with no end, are rounding in an
+ill-conditioned block, such as that of a platform on ropes far longer than it is wide."""
 SOLVED = 1e-9
 """Largest residual of a solution found by steps of least norm, over the size of its terms: where a
 pulley without mass hangs straight its place is undetermined (Y 6.1.1) and steps do not vanish."""
@@ -79,13 +82,17 @@ def newton(
         for (j, order), delta in zip(step.columns, change, strict=True):
             local[j][order] = local[j][order] + delta
         values = np.array([local[j][order] for j, order in step.columns])
-        converged = np.abs(change).max(axis=0) <= NEWTON_TOLERANCE * np.abs(values).max(axis=0)
+        moved, largest = np.abs(change).max(axis=0), np.abs(values).max(axis=0)
+        converged = moved <= NEWTON_TOLERANCE * largest
         if step.loose:  # near a singular place the last digits of a solution are undetermined
             size = (np.abs(matrix) * np.abs(values)).sum(axis=1)
             wrong = (np.abs(right) / np.maximum(size, FLOOR * size.max(axis=0))).max(axis=0)
             converged = (wrong <= NEWTON_TOLERANCE) | (converged & (wrong <= SOLVED))
         if converged.all():
             break
+    else:
+        if not step.loose:
+            converged |= moved <= STALLED * largest
     return np.where(converged, values, np.nan), determinant, matrix
 
 

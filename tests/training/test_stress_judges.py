@@ -26,7 +26,7 @@ MOST = 16
 
 def forget():
     """Nothing that was computed before a fault was planted, or with it, is used."""
-    for kept in (problem.problem_of, branch.branch_of, home.approach, model_of):
+    for kept in (problem.kept_problem, branch.branch_of, home.approach, model_of):
         kept.cache_clear()
 
 

@@ -25,15 +25,23 @@ LENGTHS = (1e-2, 1e-3, 1e-4, 1e-5)
 EXACT = 1e-9
 """An interval whose error is less is not divided."""
 NOISE = 1e-13
-"""Rounding of places and rates, relative to the largest along the path."""
+"""Rounding of places and rates, relative to the largest of the same coordinate along the path."""
+ROUNDING = 1e-15
+"""The same, relative to the largest of any coordinate."""
+TOLERANCE = 1e-7
+"""Largest error that is rounding or what the shortest intervals leave."""
 
 
-def drift(rig: Rig, reference: Reference, motion: Motion) -> float:
-    """The largest error of a change, over the rate's size times the interval's length."""
+def drift(rig: Rig, reference: Reference, motion: Motion, room: float = 0.0) -> float:
+    """The largest error of a change, over the rate's size times the interval's length.
+
+    `room` is what directions of ropes are known to, relative: near a singular place that is what
+    all coordinates are known to.
+    """
     left, errors = PLACES * reference.duration, np.zeros(0)
     settled = 0.0
     for share in LENGTHS:
-        errors = _errors(rig, reference, motion, left, share * reference.duration)
+        errors = _errors(rig, reference, motion, left, share * reference.duration, room)
         rough = ~(errors <= EXACT)
         settled = max(settled, float(errors[~rough].max(initial=0.0)))
         left = left[rough]
@@ -42,24 +50,26 @@ def drift(rig: Rig, reference: Reference, motion: Motion) -> float:
     return float(errors.max())
 
 
-def _errors(rig: Rig, reference: Reference, motion: Motion, left: Array, length: float) -> Array:
+def _errors(
+    rig: Rig, reference: Reference, motion: Motion, left: Array, length: float, room: float
+) -> Array:
     """Of the worst coordinate in each interval."""
     times = left[:, None] + 0.5 * length * (1.0 + NODES)
     found = solve(rig, reference, times.ravel())
-    size = (*times.shape, -1)
-    errors = np.zeros(len(left))
-    for change, rate, whole_change, whole_rate in (
-        (found.positions, found.velocities, motion.positions, motion.velocities),
-        (found.velocities, found.accelerations, motion.velocities, motion.accelerations),
-    ):
-        values, rates = change.reshape(size), rate.reshape(size)
-        wrong = np.abs(
-            values[:, -1] - values[:, 0] - length * np.einsum("k,nkc->nc", WEIGHTS, rates)
-        )
-        largest = np.abs(rates).max(axis=1) + 1e-3 * np.abs(whole_rate).max(axis=0)
-        noise = NOISE * (np.abs(whole_change).max(axis=0) + np.abs(change).max(axis=0))
-        scale = length * largest + noise / EXACT
-        errors = np.maximum(
-            errors, np.divide(wrong, scale, out=np.zeros_like(wrong), where=scale > 0).max(axis=1)
-        )
+    shape = (*times.shape, -1)
+    tables = (
+        (motion.positions, found.positions, found.velocities),
+        (motion.velocities, found.velocities, found.accelerations),
+    )
+    errors, rough = np.zeros(len(left)), 0.0
+    for whole, change, rate in tables:
+        values, rates = change.reshape(shape), rate.reshape(shape)
+        integral = length * np.einsum("k,nkc->nc", WEIGHTS, rates)
+        wrong = np.abs(values[:, -1] - values[:, 0] - integral)
+        largest = np.abs(whole).max(axis=0) + np.abs(change).max(axis=0)
+        rough = float(largest.max()) + rough / reference.duration
+        noise = NOISE * largest + (ROUNDING + room) * rough
+        scale = length * np.abs(rates).max(axis=1) + noise / TOLERANCE
+        share = np.divide(wrong, scale, out=np.zeros_like(wrong), where=scale > 0)
+        errors = np.maximum(errors, share.max(axis=1))
     return errors

@@ -21,7 +21,7 @@ from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.rig_state import points
 from ...models.mjcf.simulate import accelerations
 from ...models.rig.chain import joint_names
-from ...models.rig.lengths import rope_lengths, spans
+from ...models.rig.lengths import rope_lengths
 from ...models.types import Array
 from .forces import Seen, few_of, model_of
 
@@ -136,8 +136,7 @@ def allowance(motion: Motion) -> float:
     turns its tension; MuJoCo's point masses turn with their frame.
     """
     rig = motion.rig
-    lengths = [float(span[0].min()) for span in spans(rig, Seen(motion).world).values()]
-    turned = np.finfo(float).eps * np.abs(motion.positions).max() / min(lengths)
+    turned = Seen(motion).rounding
     pulled = 1.0 + np.abs(motion.tensions).max() / rig.weight
     inertias = [frame.inertia for frame in rig.frames if frame.kind == "turning"]
     points = len(rig.masses) * mjcf.POINT_INERTIA / min(inertias, default=np.inf)

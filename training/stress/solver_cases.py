@@ -19,9 +19,9 @@ from ...models import Move, Rig
 from . import roads
 from .case import CORRECT, EITHER, REFUSED, Case, Finding, case, worst
 from .forces import Seen
-from .rates import drift
+from .rates import TOLERANCE, drift
 
-RESIDUAL, ACCELERATION, CLOSED_FORM, FORCE, DERIVATIVE = 1e-9, 1e-6, 1e-9, 1e-9, 1e-7
+RESIDUAL, ACCELERATION, CLOSED_FORM, FORCE = 1e-9, 1e-6, 1e-9, 1e-9
 """Relative tolerances: a few digits above what rounding leaves of each."""
 SAMPLES = 401
 """Samples of a path that is judged."""
@@ -68,12 +68,13 @@ def judged(rig: Rig, reference: Reference, motion: Motion) -> Finding:
     """A motion by all roads that need no closed form."""
     room = roads.allowance(motion)
     near, seen = ACCELERATION + room, Seen(motion)
+    squared = seen.rounding**2 / np.finfo(float).eps  # of a span whose square is a difference
     findings = [
         Finding(roads.worst_residual(motion, reference), RESIDUAL, "residual"),
         Finding(roads.jump(rig, reference, motion), roads.SMOOTH, "jump"),
-        Finding(drift(rig, reference, motion), DERIVATIVE, "rates"),
+        Finding(drift(rig, reference, motion, room), TOLERANCE, "rates"),
         Finding(seen.winches(), FORCE + room, "tensions, winches"),
-        Finding(seen.bodies(), FORCE + room, "tensions and drives, free bodies"),
+        Finding(seen.bodies(), FORCE + room + squared, "tensions and drives, free bodies"),
         Finding(seen.slack(), FORCE + room, "slack"),
         Finding(seen.off_rails(), RAIL_TOLERANCE, "rail ends"),
     ]
