@@ -59,7 +59,9 @@ def actions_of(
         rows = ", a row for each simulation" if len(shape) > 1 else ""
         raise OptionError(f"an action has shape {actions.shape}, it must have shape {shape}{rows}")
     flat = actions.ravel()
-    if not math.isfinite(flat.dot(flat)):  # far cheaper than to look at each, every step
+    with np.errstate(over="ignore", invalid="ignore"):
+        size = flat.dot(flat)  # far cheaper than to look at each, every step
+    if not math.isfinite(size):
         wrong = ~np.isfinite(actions)
         if resting is not None:
             wrong[resting()] = False

@@ -199,7 +199,7 @@ def passing(equations: Equations, values: Array, times: Array, outputs: Array) -
 
     Unknowns (unknowns, N) and outputs (N, outputs) at times (N,).
     """
-    reversed_at = reversal(equations, values)
+    reversed_at = reversal(equations, values) or negative_span(equations, values)
     if reversed_at is None:
         return None
     first, reason = reversed_at
@@ -224,6 +224,23 @@ def reversal(equations: Equations, values: Array) -> tuple[int, str] | None:
                 how = "grow beyond all bounds" if size[-1] > size[0] else f"pass through {point}"
                 reversals.append((i, f"rope {rope.name} would {how}"))
     return min(reversals, default=None)
+
+
+def negative_span(equations: Equations, values: Array) -> tuple[int, str] | None:
+    """The last sample before a span's length turns negative, if any does; values as `reversal`.
+
+    Newton's method finds the length's other root once the span has passed a place where both meet.
+    """
+    state = np.vstack((values[: len(equations.names)], np.ones(values.shape[1])))
+    found: list[tuple[int, str]] = []
+    for rope, lengths in zip(equations.rig.ropes, equations.span_lengths, strict=True):
+        negative = (lengths @ state < 0).any(axis=0)
+        if negative.any():
+            first = max(int(negative.argmax()) - 1, 0)
+            found.append(
+                (first, f"rope {rope.name} would pass through a point or grow without end")
+            )
+    return min(found, default=None)
 
 
 def stay_on_rails(rig: Rig, names: tuple[str, ...], positions: Array, times: Array) -> None:

@@ -13,7 +13,7 @@ from flatrig.feedforward.planning import feasibility
 from flatrig.models.rig.parts import Rope
 from flatrig.training.simulate.open_loop import open_loop
 from flatrig.training.stress import rates
-from flatrig.training.stress.case import EITHER, WRONG, Case, judge
+from flatrig.training.stress.case import CORRECT, EITHER, REFUSED, WRONG, Case, judge
 from flatrig.training.stress.closed_forms import order_needed
 from flatrig.training.stress.forces import Seen, model_of
 from flatrig.training.stress.random_cases import followed_or_refused, random_case
@@ -151,3 +151,9 @@ def test_what_is_not_smooth_enough_has_a_closed_form():
     for number in range(40):
         rig = random_rig(np.random.default_rng([3, number]))
         assert feedforward.analyse(rig).reference_order <= order_needed(rig)
+
+
+@pytest.mark.parametrize(("number", "ending"), [(4319, CORRECT), (7395, REFUSED)])
+def test_rigs_that_were_wrong_once(number, ending):
+    """A platform whose Newton steps stall above rounding; a span that passes through infinity."""
+    assert judge(Case("", "", random_case, EITHER, (0, number))).ending == ending

@@ -18,7 +18,6 @@ from ...feedforward import Motion, Reference, check, from_move, solve
 from ...models import FlatrigError, PathError, Rig, RigError, SmoothnessError
 from .case import EITHER, Case, Finding, case, worst
 from .closed_forms import NEAR, can_follow, order_needed
-from .forces import Seen
 from .homes import at_start
 from .random_moves import random_move
 from .random_rigs import random_rig
@@ -140,26 +139,24 @@ def _beyond(rig: Rig, motion: Motion) -> dict[str, float]:
 def _checked(rig: Rig, reference: Reference, motion: Motion) -> Finding:
     """Whether `feedforward.check` says of a motion what its own numbers do."""
     report = check(rig, reference, (SAMPLES - 1.5) / reference.duration)
-    seen, finite = (
-        Seen(motion),
-        [name for name, beyond in _beyond(rig, motion).items() if beyond > 0],
-    )
+    pulls = motion.tensions
+    off = any(beyond > 0 for beyond in _beyond(rig, motion).values())
     if report.motion is None:
         return _wrong(f"solved, but check says: {report.obstructed}")
-    size = np.abs(seen.tensions).max(initial=0.0)
+    size = np.abs(pulls).max(initial=0.0)
     pushing = {
         rope
-        for rope, tension in zip(rig.rope_names, seen.tensions.T, strict=True)
+        for rope, tension in zip(rig.rope_names, pulls.T, strict=True)
         if tension.min() < -SURE * size
     }
     told = {part.rope for part in report.slack}
     if not pushing <= told or any(
-        seen.tensions[:, rig.rope_names.index(rope)].min() > SURE * size for rope in told
+        pulls[:, rig.rope_names.index(rope)].min() > SURE * size for rope in told
     ):
         return _wrong(f"ropes {pushing} have to push, check says {told}")
     largest = [part.largest for part in report.sizing]
     error = np.abs(np.abs(motion.inputs).max(axis=0) - largest).max() / max(largest)
     weak = bool((np.abs(motion.inputs).max(axis=0) > [d.limit for d in rig.drives]).any())
-    if report.feasible != (not (told or weak or finite)):
+    if report.feasible != (not (told or weak or off)):
         return _wrong(f"check says feasible: {report.feasible}, {'; '.join(report.problems)}")
     return Finding(float(error), SURE, "sizing")
