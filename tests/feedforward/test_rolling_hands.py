@@ -49,7 +49,7 @@ TIP = Finger("a", Tip(0.02), (0, 0, -1))
         (lambda: replace(TIP, slides=((1, 0, 0), (1, 1, 0))), "must be perpendicular"),
         (lambda: replace(TIP, masses=(1.0,)), "3 slides and 1 masses"),
         (lambda: replace(TIP, name="object"), "name is 'object', which is taken"),
-        (lambda: replace(TIP, name="a,b"), "must be letters, digits"),
+        (lambda: replace(TIP, name="a,b"), "must be 1 to 64 letters, digits"),
         (lambda: Hand("h", 0.1, (TIP,)), "held is 0.1, it must be a HeldObject"),  # type: ignore[arg-type]
         (lambda: Hand("h", BALL, (TIP,), spin="no"), "spin is 'no', it must be True"),  # type: ignore[arg-type]
         (lambda: Hand("h", BALL, ()), "must be one Finger or more"),

@@ -35,7 +35,8 @@ def main(command: options.Reproduce) -> None:
         out.print(f"wrote {command.page}", soft_wrap=True)
         return
     folder = Path(command.output or FOLDER)
-    make_folder(folder)
+    if command.output:  # found out before the figures are computed
+        make_folder(folder)
     for entry in chosen:
         summary, files = entry.run(folder)
         if entry.caption:
