@@ -47,6 +47,7 @@ def gone_slack(problem: Problem, solution: Solution, times: Array, end: int) -> 
     equations = problem.equations
     n, m = len(equations.names), len(equations.constraint_names)
     values = solution.values[:, : end + 1]
+    values = np.where(np.isfinite(values), values, np.nan)  # infinite times zero would warn
     tensions = equations.tensions(values[:n].T, values[n : n + m].T)
     least = -NOTHING * problem.rig.weight
     gone = []

@@ -71,3 +71,11 @@ def test_a_rope_that_is_slack_for_another_reason_names_no_fall():
     slack = [part for part in report.problems if part.startswith("rope pull")]
     assert slack
     assert not any("fall" in part for part in slack)
+
+
+def test_a_pulley_that_reaches_its_winch_is_refused_without_a_warning():
+    rig = models.navy_crane_2d()
+    x, _, z = next(anchor.position for anchor in rig.anchors if anchor.name == "P")
+    reference = rest_to_rest((x, z - 20.0, z - 10.0), (x, z - 20.0, z), 10.0, order=6)
+    with pytest.raises(PathError, match="rope hoist"):
+        solve(rig, reference, np.linspace(0.0, 10.0, 2001))
