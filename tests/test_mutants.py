@@ -43,7 +43,7 @@ def test_a_planted_fault_is_noticed():
         "not isinstance(value, bool)",
         quick,
     )
-    found = try_out((wrong, ("tests",)))
+    found = try_out((wrong, ("tests",), False))
     assert found.by["tests"].startswith("tests/models/test_values.py::")
 
 
