@@ -192,9 +192,12 @@ def test_another_name_of_standard_output_is_written_behind_what_is_printed(
     assert (tmp_path / "out.csv").read_text() == "first\nsecond\n"
 
 
+# A test in the background inherits that interruptions, and under nohup hang-ups, are ignored.
 WRITER = """
-import sys, time
+import signal, sys, time
 from flatrig.models.files import replacing
+signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 with replacing("big.csv") as beside:
     beside.write_text("half")
     print("begun", flush=True)
@@ -205,16 +208,18 @@ with replacing("big.csv") as beside:
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP", "SIGINT"])
 def test_a_signal_leaves_nothing_half_written(name: str, tmp_path: Path) -> None:
     (tmp_path / "big.csv").write_text("old")
-    running = subprocess.Popen(
+    number = getattr(signal, name)
+    with subprocess.Popen(
         [sys.executable, "-c", WRITER], cwd=tmp_path, stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
-    )  # fmt: skip
-    assert running.stdout is not None
-    assert running.stdout.readline() == b"begun\n"
-    number = getattr(signal, name)
-    running.send_signal(number)
-    status = running.wait(timeout=20)
-    running.stdout.close()
+    ) as running:  # fmt: skip
+        try:
+            assert running.stdout is not None
+            assert running.stdout.readline() == b"begun\n"
+            running.send_signal(number)
+            status = running.wait(timeout=20)
+        finally:
+            running.kill()
     assert status in (128 + number, -number)
     assert [file.name for file in tmp_path.iterdir()] == ["big.csv"]
     assert (tmp_path / "big.csv").read_text() == "old"

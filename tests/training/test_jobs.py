@@ -187,12 +187,14 @@ def test_a_file_that_cannot_be_written_is_one_line(tmp_path):
         Jobs(math.sqrt, file=tmp_path / "file" / "progress.jsonl").values([4])
 
 
+# A test that runs in the background inherits that interruptions are ignored.
 SCRIPT = """
-import time
+import signal, time
 from pathlib import Path
 from flatrig.training.jobs import Jobs, Processes
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     for result in Jobs(time.sleep, Processes(2), file=Path("progress.jsonl")).results([0, 60, 60]):
         print(result.item, flush=True)
 """
@@ -201,12 +203,15 @@ if __name__ == "__main__":
 def test_an_interruption_ends_every_process(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(SCRIPT)
-    running = subprocess.Popen(
+    with subprocess.Popen(
         [sys.executable, str(script)], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         text=True, start_new_session=True,
-    )  # fmt: skip
-    assert running.stdout.readline() == "0\n"
-    os.killpg(running.pid, signal.SIGINT)  # as a terminal does
-    _, errors = running.communicate(timeout=20)  # until no process holds the pipes any longer
+    ) as running:  # fmt: skip
+        try:
+            assert running.stdout.readline() == "0\n"
+            os.killpg(running.pid, signal.SIGINT)  # as a terminal does
+            _, errors = running.communicate(timeout=20)  # until no process holds the pipes
+        finally:
+            running.kill()
     assert errors.rstrip().endswith("KeyboardInterrupt")
     assert len((tmp_path / "progress.jsonl").read_text().splitlines()) == 2
