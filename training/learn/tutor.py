@@ -33,7 +33,7 @@ class Tutor(gym.vector.VectorWrapper[Any, Any, Any, Any, Any]):
         first = [names.index(name) for name in public]
         self._order = np.array(first + sorted(set(range(len(names))) - set(first)))
         self._task, self._scale, self._teacher = task, scale, teacher
-        self._weight = task.rig.gravity * sum(load.mass for load in task.rig.loads)
+        self._weight = task.rig.weight
         self._hints = np.zeros((self.num_envs, len(_hints(Scenario(), 1.0))))
         width = len(self._order) + self._hints.shape[1]
         self.single_observation_space = gym.spaces.Box(-np.inf, np.inf, (width,), np.float64)
