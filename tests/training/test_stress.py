@@ -15,8 +15,8 @@ from flatrig import feedforward, models
 from flatrig.models.errors import PathError
 from flatrig.training import cli
 from flatrig.training.options import Stress
+from flatrig.training.stress import episode_cases, run_cases, solver_cases
 from flatrig.training.stress import roads as stress_roads
-from flatrig.training.stress import run_cases, solver_cases
 from flatrig.training.stress import stiff_cases as stiff
 from flatrig.training.stress import suite as stress
 from flatrig.training.stress.case import (
@@ -234,3 +234,10 @@ def test_the_command_counts_keeps_and_tells(monkeypatch, capsys, tmp_path):
     assert cli.main([*command, "--only", "nothing"]) == 2
     for option in ("--seed=-1", "--rigs=0", "--processes=0"):
         assert cli.main([*command, option]) == 2
+
+
+def test_environments_follow_exact_inputs_and_the_wind():
+    late = episode_cases.exact("overhead_crane", feedback=False)
+    assert 0.0 < late.error < late.tolerance
+    blown = episode_cases.windy()
+    assert 0.0 < blown.error < blown.tolerance
