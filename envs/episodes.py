@@ -178,6 +178,11 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         # No episode can be over before so many steps: spares looking at each of them.
         self._countdown = int((self.rows.length - self._steps).min())
 
+    @property
+    def commands(self) -> Array:
+        """What was asked of the drives in the last step, over their limits, (n, drives), live."""
+        return self._commands.last
+
     def step(self, actions: ArrayLike, ids: Ids | None = None) -> Outcome:
         """Hold inputs over one control period.
 

@@ -149,7 +149,7 @@ class Rows:
         self.length = np.full(num, 0 if shared is None else shared.steps)
         self.goal = np.zeros((num, layout.drives))
         self.goal_inputs = np.zeros((num, layout.drives))
-        columns = layout.columns
+        self._columns = columns = layout.columns
         self.parts = {name: self._row[:, part] for name, part in columns.items()}
         self.ahead = self._row[:, columns["preview"].start : columns["left"].stop]
 
@@ -165,6 +165,11 @@ class Rows:
         """Bring `parts` up to date."""
         np.add(self._first, step, self._index)
         self._table.take(self._index, 0, self._row, "clip")
+
+    def later(self, name: str, steps: int) -> Array:
+        """One of `parts` some steps later, or at the end of the plan, (n, its entries)."""
+        rows = np.minimum(self._index + steps, self._first + self.length)
+        return np.asarray(self._table[:, self._columns[name]][rows])
 
     def _store(self, ids: Ids, plans: Sequence[Plan]) -> None:
         """Write plans into slots of their simulations' own."""

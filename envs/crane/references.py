@@ -146,7 +146,9 @@ class CranePlanner(Planner[CranePlan]):
         return isinstance(option, Move) or hasattr(option, "derivatives")
 
     def plan(self, reference: object) -> CranePlan:
-        """The plan for a given reference."""
+        """The plan for a given reference; one that is made already, with a hold of its own."""
+        if isinstance(reference, CranePlan):
+            return reference
         return make_plan(self._rig, as_reference(reference), self.period, self.hold)
 
     def draws_anew(self, sampler: Sampler) -> bool:
