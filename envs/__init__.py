@@ -21,6 +21,7 @@ from .controllers import PD, Feedforward, Residual
 from .crane.disturbances import Disturbances, Scenario, design
 from .crane.env import CraneEnv, CraneVectorEnv
 from .crane.friction_compensation import FrictionCompensation
+from .crane.mass_estimate import MassEstimate
 from .crane.references import RandomMoves
 from .crane.task import CraneTask
 from .episodes import Outcome
@@ -49,6 +50,7 @@ __all__ = [
     "HandTask",
     "HandVectorEnv",
     "Law",
+    "MassEstimate",
     "Outcome",
     "PoseFeedback",
     "RandomGoals",

@@ -1,5 +1,6 @@
 """A crane's plan: a reference and its exact feedforward, see `flatrig.envs.plans`."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from ...models.errors import OptionError
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..plans import Layout, Plan, steps_ahead
+from .payloads import reloaded
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,6 +20,10 @@ class CranePlan(Plan):
 
     start: dict[str, float]
     """Coordinates at rest at the start of the path [m, rad]."""
+    reference: Reference
+    """The path."""
+    period: float
+    """Of control [s]."""
 
 
 def layout_of(rig: Rig) -> Layout:
@@ -60,7 +66,27 @@ def make_plan(rig: Rig, reference: Reference, period: float, hold: float) -> Cra
     )
     start = dict(zip(motion.coordinate_names, motion.positions[0].tolist(), strict=True))
     goal = motion.drive_positions[len(instants) - 1].copy()
-    return CranePlan(rows, first * limits, goal, last, start)
+    return CranePlan(rows, first * limits, goal, last, start, reference, period)
+
+
+def feedforward_with(rig: Rig, plan: CranePlan, load_mass: float) -> Array:
+    """The feedforward of a plan if the rig's payloads had `load_mass` times their mass.
+
+    Returns
+    -------
+    Array
+        Inputs over the rig's limits, shape (steps + 1, drives): for a `load_mass` of 1 the plan's.
+
+    Raises
+    ------
+    PathError
+        The rig with such a load cannot follow the plan's path.
+    """
+    moving = min(plan.steps, math.ceil(plan.reference.duration / plan.period)) + 1
+    instants = plan.period * (np.arange(moving) + 0.5)
+    inputs = feedforward.solve(reloaded(rig, load_mass), plan.reference, instants).inputs
+    limits = np.array([drive.limit for drive in rig.drives])
+    return np.pad(inputs / limits, ((0, plan.steps + 1 - moving), (0, 0)), mode="edge")
 
 
 def _at_rest(rig: Rig, reference: Reference, limits: Array) -> tuple[Array, Array]:
