@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from os import PathLike, fspath, sep
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -28,6 +28,9 @@ HASTE = (1.0, 1.6)
 ASIDE = 0.2
 """How far from the line between the default move's ends points are drawn where a free pulley keeps
 the load to a narrow space, as a share of the box."""
+
+ON_EDGE = 0.7
+"""How likely a value of an end on the box's edges is at an end of its range."""
 
 HEADROOM = 0.9
 """Share of the drives' limits that a drawn move may use: controllers need the rest."""
@@ -63,6 +66,72 @@ def default_move(rig: Rig) -> Move:
     return models.default_move(rig)
 
 
+def as_profile(move: Move) -> Move:
+    """A sampled move as a polynomial one between its ends; any other as it is."""
+    if move.profile != "sampled":
+        return move
+    path = feedforward.from_move(move)
+    start, goal = (tuple(np.asarray(end).tolist()) for end in (path.start, path.goal))
+    return Move(start, goal, duration=path.duration, order=move.order)
+
+
+class RandomEnds(NamedTuple):
+    """Where a drawn move begins and ends."""
+
+    start: tuple[float, ...]
+    """Values of the outputs [m, rad]."""
+    goal: tuple[float, ...]
+    """Values of the outputs [m, rad]."""
+    share: float
+    """Distance between the two over that between the ends of the move they are drawn for."""
+
+
+def random_ends(
+    rig: Rig, move: Move, generator: np.random.Generator, *, edges: float = 0.0
+) -> RandomEnds:
+    """Two points of the box that a move spans, or near its line, at least `SHORTEST` apart.
+
+    Parameters
+    ----------
+    rig
+        Whose outputs they are; a load that hangs from a free pulley keeps near the line.
+    move
+        Not a sampled one, see `as_profile`.
+    generator
+        Draws them.
+    edges
+        How likely both lie on edges and corners of the box: each of their values is then at an end
+        of its range with probability `ON_EDGE`.
+
+    Raises
+    ------
+    OptionError
+        The move ends where it starts.
+    """
+    corners = np.array((move.start, move.goal))
+    span = corners[1] - corners[0]
+    whole = float(np.linalg.norm(span))
+    if not whole > 0:
+        raise OptionError(
+            f"random moves keep to the box that a move spans, and the move of rig {rig.name} ends "
+            "where it starts; give `reference`"
+        )
+    narrow = len(payloads(rig)) < len(rig.loads) + len(rig.platforms)
+    on_edges = bool(edges) and generator.random() < edges
+    while True:
+        shares = generator.random((2, len(span)))
+        if on_edges:
+            shares = np.where(generator.random(shares.shape) < ON_EDGE, np.round(shares), shares)
+        if narrow:
+            along = shares.mean(axis=1, keepdims=True)
+            shares = along + ASIDE * (shares - along)
+        ends = corners[0] + shares * span
+        share = float(np.linalg.norm(ends[1] - ends[0])) / whole
+        if share >= SHORTEST:
+            start, goal = map(tuple, ends.tolist())
+            return RandomEnds(start, goal, share)
+
+
 @dataclass(frozen=True)
 class RandomMoves:
     """Moves between random points of the box that the rig's default move spans, or near its line.
@@ -92,25 +161,15 @@ class RandomMoves:
         )
 
     def _draw(self, generator: np.random.Generator) -> Move:
-        corners = np.array((self.move.start, self.move.goal))
-        whole = float(np.linalg.norm(corners[1] - corners[0]))
-        narrow = len(payloads(self.rig)) < len(self.rig.loads) + len(self.rig.platforms)
-        while True:
-            shares = generator.random((2, corners.shape[1]))
-            if narrow:
-                along = shares.mean(axis=1, keepdims=True)
-                shares = along + ASIDE * (shares - along)
-            ends = corners[0] + shares * (corners[1] - corners[0])
-            share = float(np.linalg.norm(ends[1] - ends[0])) / whole
-            if share >= SHORTEST:
-                break
+        move = as_profile(self.move)
+        start, goal, share = random_ends(self.rig, move, generator)
         haste = generator.uniform(*HASTE)
         return replace(
-            self.move,
-            start=tuple(ends[0].tolist()),
-            goal=tuple(ends[1].tolist()),
-            duration=self.move.duration * haste * share**0.5,
-            blend=self.move.blend * haste * share**0.5,
+            move,
+            start=start,
+            goal=goal,
+            duration=move.duration * haste * share**0.5,
+            blend=move.blend * haste * share**0.5,
         )
 
     def _feasible(self, reference: Reference) -> bool:

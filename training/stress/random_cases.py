@@ -19,9 +19,9 @@ from ...models import FlatrigError, PathError, Rig, RigError, SmoothnessError
 from .case import EITHER, Case, Finding, case, worst
 from .closed_forms import NEAR, can_follow, order_needed
 from .homes import at_start
-from .random_moves import random_move
 from .random_rigs import random_rig
 from .solver_cases import judged
+from .wild_moves import random_move
 
 SAMPLES = 151
 SURE = 1e-9

@@ -2,7 +2,7 @@
 
     rng = np.random.default_rng(7)
     rig = random_rig(rng)
-    move = random_move(rig, rng)           # flatrig.training.stress.random_moves
+    move = random_move(rig, rng)           # flatrig.training.stress.wild_moves
 
 Lengths go over four decades, masses over six, the winches' J/r^2 over twelve.
 """
