@@ -6,7 +6,7 @@ A task has a plant, a planner whose plans are read row by row, encoders, command
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, Generic, NamedTuple, cast
+from typing import Any, ClassVar, Generic, NamedTuple, cast
 
 import mujoco
 import numpy as np
@@ -17,16 +17,13 @@ from ..models.types import Array, Mask
 from ..models.values import bounded
 from .common import NOT_FINITE, Ids, Steps, none_of
 from .gains import Gains, Track
-from .option_checks import actions_of, substeps_of
+from .option_checks import actions_of, sensors_of, substeps_of
 from .plans import Layout, Planner, PlanT
 from .ranges import Ranges, ScenarioT
 from .rewards import Reward
 from .sensing import Observation
 from .signals import Commands, Encoders, Rows
 from .simulations import Simulations
-
-SENSORS = ("encoders", "full")
-"""What an observation can hold."""
 
 TIME = "time"
 """Why an episode is truncated."""
@@ -52,8 +49,10 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
     """Number of simulations n."""
     all: Ids
     """Indices of all simulations, shape (n,)."""
+    sensor_sets: ClassVar[tuple[str, ...]] = ("encoders", "full")
+    """What can be observed."""
     sensors: str
-    """What is observed, "encoders" or "full"."""
+    """What is observed, one of these."""
     period: float
     """Time between two steps [s]."""
     limits: Array
@@ -82,9 +81,7 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         bounded("hold", hold, least=0, unit="s")
         if nthread is not None:
             bounded("nthread", nthread, least=1, whole=True)
-        if sensors not in SENSORS:
-            raise OptionError(f"sensors is {sensors!r}, it must be one of {', '.join(SENSORS)}")
-        self.num, self.sensors = int(num), sensors
+        self.num, self.sensors = int(num), sensors_of(sensors, self.sensor_sets)
         self.all = np.arange(self.num, dtype=np.int32)
         substeps = substeps_of(rate, timestep)
         self.period = substeps * timestep

@@ -30,6 +30,19 @@ def seed_of(value: object) -> int | None:
     return int(value)  # type: ignore[call-overload, no-any-return]
 
 
+def sensors_of(value: object, sets: Sequence[str]) -> str:
+    """The name of a set of sensors.
+
+    Raises
+    ------
+    OptionError
+        There is none of that name.
+    """
+    if not isinstance(value, str) or value not in sets:
+        raise OptionError(f"sensors is {shown(value)}, it must be one of {', '.join(sets)}")
+    return value
+
+
 def actions_of(
     value: ArrayLike,
     shape: tuple[int, ...],

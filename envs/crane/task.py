@@ -10,6 +10,7 @@ controllers of `flatrig.envs.controllers` read what encoders measure and what th
 A simulation's episode depends on its own generator, scenario and actions only, to the last bit.
 """
 
+from collections.abc import Sequence
 from os import PathLike
 from typing import Any
 
@@ -19,10 +20,13 @@ from numpy.typing import NDArray
 
 from ... import models
 from ...models.rig.rig import Rig
+from ...models.types import Array
+from ..common import Ids, none_of
 from ..episodes import Task
 from ..gains import Gains, Track
 from ..sensing import Observation
 from .disturbances import Disturbances, Scenario
+from .load_sensors import SWAY, LoadSensors, SwaySensors
 from .observation import observation_of
 from .outputs import levers
 from .plan import CranePlan, layout_of
@@ -45,6 +49,8 @@ class CraneTask(Task[CranePlan, Scenario]):
         Number of simulations n.
     sensors
         "encoders": drives' positions and rates.  "full": the loads and rope tensions as well.
+        "sway": these as cranes measure them, late and with noise, see
+        `flatrig.envs.crane.load_sensors`.
     rate
         Control periods per second [Hz].
     timestep
@@ -66,8 +72,11 @@ class CraneTask(Task[CranePlan, Scenario]):
         The rig cannot follow the reference.
     """
 
+    sensor_sets = ("encoders", SWAY, "full")
     plant: Plant
     disturbances: Disturbances
+    loads: LoadSensors | None
+    """What is measured of the loads, None with encoders only."""
 
     def __init__(
         self,
@@ -108,6 +117,18 @@ class CraneTask(Task[CranePlan, Scenario]):
         """Names of the entries of an action: the rig's inputs."""
         return self.rig.input_names
 
+    def reset(
+        self,
+        ids: Ids,
+        generators: Sequence[np.random.Generator],
+        scenarios: Sequence[Scenario | None] | None = None,
+        references: Sequence[object] | None = None,
+    ) -> None:
+        """Begin new episodes in some simulations, see `flatrig.envs.episodes.Task.reset`."""
+        super().reset(ids, generators, scenarios, references)
+        if self.loads is not None:
+            self.loads.reset(ids, generators, self.rows.length)
+
     def gains(self, track: Track = "moving") -> Gains:
         """Gains of a PD controller, see `flatrig.envs.crane.tuning`."""
         return gains_of(self.plant, track)
@@ -125,4 +146,31 @@ class CraneTask(Task[CranePlan, Scenario]):
         }
 
     def _make_observation(self) -> Observation:
-        return observation_of(self.plant, self.encoders, self.rows, self.sensors == "full")
+        self.loads = self._load_sensors()
+        return observation_of(self.plant, self.encoders, self.rows, self.loads)
+
+    def _load_sensors(self) -> LoadSensors | None:
+        if self.sensors == SWAY:
+            arms = levers(self.rig, self.scales)
+            return SwaySensors(self.plant, self.rows, self.period, arms, self.scales.weight)
+        return LoadSensors(self.plant, self.rows) if self.sensors == "full" else None
+
+    def _advance(self, actions: Array, ids: Ids | None) -> Array:
+        reward = super()._advance(actions, ids)
+        if self.loads is not None:
+            self.loads.step(self.steps)
+        return reward
+
+    def _advance_some(self, actions: Array, ids: Ids) -> Array:
+        idle = none_of(ids, self.num)
+        memory = () if self.loads is None else self.loads.memory
+        before = [values[idle] for values in memory]
+        reward = super()._advance_some(actions, ids)
+        for values, old in zip(memory, before, strict=True):
+            values[idle] = old
+        return reward
+
+    def _clear(self, sim: int) -> None:
+        super()._clear(sim)
+        if self.loads is not None:
+            self.loads.rest(sim)
