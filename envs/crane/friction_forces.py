@@ -24,7 +24,7 @@ FAINT = 1e-9
 cannot bear anything get nothing, and the matrix of the split stays regular."""
 
 
-class _Places:
+class Places:
     """Where a rig's drives rub: tendons and joints of its model."""
 
     def __init__(self, rig: Rig, model: mujoco.MjModel) -> None:
@@ -47,7 +47,7 @@ class DryFriction:
 
     def __init__(self, rig: Rig, model: mujoco.MjModel, batch: Batch, frames: bool) -> None:
         num, freedoms = batch.nsim, model.nv
-        self._at = at = _Places(rig, model)
+        self._at = at = Places(rig, model)
         self._tendons = at.ropes + at.sums
         self._slides = at.slides + (at.frames if frames else [])
         self._on_tendon = batch.expand("tendon_frictionloss")
@@ -119,7 +119,7 @@ class ViscousFriction:
     """Friction in proportion to speed; made where some scenario has any."""
 
     def __init__(self, rig: Rig, model: mujoco.MjModel, batch: Batch) -> None:
-        self._at = _Places(rig, model)
+        self._at = Places(rig, model)
         self._on_tendon = batch.expand("tendon_damping")
         self._on_joint = batch.expand("dof_damping")
         self._rates = batch.bind("ten_velocity")

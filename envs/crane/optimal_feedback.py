@@ -1,0 +1,116 @@
+"""Time-varying regulators along a crane's plans: what to cost, and how inputs come late.
+
+A command sent at step k acts d steps later.  So that d is part of the system, its state z holds the
+deviations of joints and rates, and those of the last max(1, d) commands, the latest first.  What is
+chosen is the change of the command, v_k - v_(k-1): a steady command costs nothing.
+
+    cost = |outputs / error|^2 + |joints / sway|^2 + |change / change|^2
+
+Outputs count in metres, angles times their lever.  Where some outputs are coordinates of what the
+crane carries, the others (a free pulley's height, a spread) count for as little as joints.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.rig.rig import Rig
+from ...models.types import Array
+from .geometry import Scales
+from .linearisation import LinearModel
+from .outputs import levers
+from .payloads import payloads
+from .riccati import Feedback, Stage, recursion, stationary
+
+Delays = NDArray[np.int64]
+"""Control periods between command and input, shape (P,)."""
+
+
+@dataclass(frozen=True)
+class Weights:
+    """How large a deviation is that costs 1."""
+
+    error: float = 0.01
+    """Of the load, [m] and [rad] times its lever."""
+    sway: float = 0.3
+    """Of each joint and of other outputs [m, rad]."""
+    change: float = 0.02
+    """Of a command in one period, over the limits."""
+
+
+def output_weights(rig: Rig, scales: Scales, weights: Weights) -> Array:
+    """What each output's deviation is multiplied with, shape (outputs,)."""
+    carried = {
+        name
+        for part in payloads(rig)
+        for name in (*(f"{part.name}.{axis}" for axis in rig.axes), *getattr(part, "angles", ()))
+    }
+    fine = np.array([all(name in carried for _, name in rig.terms(o)) for o in rig.outputs])
+    if not fine.any():
+        fine[:] = True
+    return np.asarray(levers(rig, scales) / np.where(fine, weights.error, weights.sway))
+
+
+def regulator(model: LinearModel, delays: Delays, outputs: Array, weights: Weights) -> Feedback:
+    """Gains of the commands themselves, from step 0 to the last arrival, which holds on.
+
+    Parameters
+    ----------
+    model
+        The linear models of P courses.
+    delays
+        Of each course's commands, shape (P,).
+    outputs
+        What each output's deviation is multiplied with, shape (outputs,).
+    weights
+        The other costs.
+
+    Returns
+    -------
+    Feedback
+        For the state (joints, rates, last commands, latest first) and the model's disturbances:
+        command = planned - state gain @ state - disturbance gain @ disturbances.
+    """
+
+    def stage(step: int) -> Stage:
+        return _late(model, step, delays, outputs, weights)
+
+    last = int(model.arrival.max())
+    gains = recursion(stage, last + 1, stationary(stage(last)))
+    # From the change of the command to the command: the latest one is in the state.
+    gains.state[..., model.states : model.states + model.inputs] -= np.eye(model.inputs)
+    return gains
+
+
+def _late(model: LinearModel, step: int, delays: Delays, outputs: Array, weights: Weights) -> Stage:
+    """The systems at a step, with the commands that are on their way."""
+    transition, push, disturbances, slopes = model.at(step)
+    count, states = transition.shape[:2]
+    drives, memory = push.shape[2], max(1, int(delays.max()))
+    size = states + memory * drives
+    full = np.zeros((count, size, size))
+    full[:, :states, :states] = transition
+    inputs = np.zeros((count, size, drives))
+    for late in range(memory + 1):
+        own = delays == late
+        columns = slice(states + (late - 1) * drives, states + late * drives)
+        if late == 0:  # the command that is chosen now: the last one, and its change
+            full[own, :states, states : states + drives] = push[own]
+            inputs[own, :states] = push[own]
+        else:
+            full[own, :states, columns] = push[own]
+    # What is sent now is the latest next time, and the others grow older.
+    full[:, states:, states : states + drives] = 0.0
+    latest = slice(states, states + drives)
+    full[:, latest, latest] = inputs[:, latest] = np.eye(drives)
+    older = size - drives
+    full[:, states + drives :, states:older] = np.eye(older - states)
+    joints = slopes.shape[2]
+    cost = np.zeros((count, size, size))
+    scaled = slopes * outputs[:, None]
+    cost[:, :joints, :joints] = scaled.swapaxes(1, 2) @ scaled + np.eye(joints) / weights.sway**2
+    forces = np.zeros((count, size, disturbances.shape[2]))
+    forces[:, :states] = disturbances
+    change = np.broadcast_to(np.eye(drives) / weights.change**2, (count, drives, drives))
+    return Stage(full, inputs, forces, cost, change)

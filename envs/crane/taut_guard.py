@@ -1,0 +1,66 @@
+"""Commands that keep ropes taut, since a rope cannot push.
+
+    guard = TautGuard(task)
+    actions = guard.keep(actions)
+
+A winch with drum radius r whose rope pulls with T needs the input u = (J/r) L'' - r T.  Around the
+planned input the guard leaves what changes the planned pull r T to between `LEAST` and `MOST` of
+it.  Where the winch hardly accelerates that is between `LEAST` and `MOST` of the planned input;
+counted in pull it holds for a winch whose own inertia takes its input through zero, too.
+Other drives are free within their limits.
+
+The load's own motion changes tension as well, which no limit on a command prevents: the guard
+makes slack ropes rare, not impossible.
+"""
+
+import numpy as np
+
+from ...models.rig.rig import Rope
+from ...models.types import Array
+from .along_plans import AlongPlans
+from .plan import CranePlan, layout_of
+from .task import CraneTask
+
+LEAST, MOST = 0.35, 1.9
+"""Share of the planned pull that commands may leave, and make of it."""
+
+
+class TautGuard:
+    """Keeps the commands of n simulations within the band of the plans' pulls."""
+
+    def __init__(self, task: CraneTask) -> None:
+        self._task = task
+        self._room = AlongPlans(task, self._rooms)
+
+    def keep(self, actions: Array) -> Array:
+        """Actions within the band and the limits, (n, drives)."""
+        lowest, highest = self.band()
+        return np.asarray(np.clip(actions, lowest, highest))
+
+    def band(self) -> tuple[Array, Array]:
+        """Lowest and highest action that keep ropes taut, over the limits, (n, drives) each."""
+        now, pulls = self._task.rows.parts["feedforward"], self._room.now()
+        lowest, highest = now - (MOST - 1.0) * pulls, now + (1.0 - LEAST) * pulls
+        # Where a plan itself goes to a limit, something is left still.
+        return np.clip(lowest, -1.0, 1.0), np.clip(highest, -1.0, 1.0)
+
+    def _rooms(self, plan: CranePlan) -> Array:
+        return pulls_of(self._task, plan)
+
+
+def pulls_of(task: CraneTask, plan: CranePlan) -> Array:
+    """What ropes pull at their winches along a plan, r T over the limits, (steps + 1, drives).
+
+    Infinite for drives that are no winches.
+    """
+    drives, columns = len(task.limits), layout_of(task.rig).columns
+    inputs = plan.rows[:, columns["feedforward"]]
+    rates = plan.rows[:, columns["drives"]][:, drives:]
+    pulls = np.full_like(inputs, np.inf)
+    for column, drive in enumerate(task.rig.drives):
+        rope = task.rig.driven(drive)
+        if isinstance(rope, Rope):
+            change = np.diff(rates[:, column], append=rates[-1, column]) / plan.period
+            inertia = rope.inertia_along * rope.drum_radius / task.limits[column]
+            pulls[:, column] = np.maximum(inertia * change - inputs[:, column], 0.0)
+    return pulls
