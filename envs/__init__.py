@@ -24,6 +24,7 @@ from .crane.friction_compensation import FrictionCompensation
 from .crane.mass_estimate import MassEstimate
 from .crane.references import RandomMoves
 from .crane.task import CraneTask
+from .crane.taut_guard import TautGuard
 from .episodes import Outcome
 from .hand.disturbances import HandDisturbances, HandScenario, hand_design
 from .hand.env import HandEnv, HandVectorEnv
@@ -58,6 +59,7 @@ __all__ = [
     "Range",
     "Residual",
     "Scenario",
+    "TautGuard",
     "design",
     "hand_design",
     "quantity",

@@ -78,41 +78,36 @@ class Compare(RigOptions):
 
 @command(crane=".learn.train:main")
 class Train(RigOptions):
-    """Train a residual policy on top of feedforward + PD."""
+    """Train a residual policy on top of feedforward, PD and the estimated mass."""
 
+    sensors: Literal["encoders", "sway", "full"] = "encoders"
+    """What the policy sees: encoders only, also a noisy sway sensor and load cells, or all."""
     seed: int = 0
-    """Seed of the network, the exploration and the training scenarios."""
+    """Seed of the network, the exploration, moves and plants."""
+    seeds: int = 1
+    """Number of runs, with seeds from `seed` on, one after the other."""
     minutes: float | None = None
-    """Wall-clock time to train for [min]; 10 if left out."""
-    steps: int | None = None
-    """Decisions of the policy to train for, instead of `minutes`."""
-    envs: int = 64
-    """Simulations in parallel."""
+    """Wall-clock time to train for [min], judging not counted; 10 if left out."""
+    iterations: int | None = None
+    """Iterations to train for, instead of `minutes`: these repeat to the bit."""
+    episodes: int = 48
+    """Episodes of an iteration, side by side."""
     threads: int = 2
     """Processor threads."""
-    fraction: float = 0.0
-    """Largest residual as a share of the inputs' limits; chosen for the rig if 0."""
-    evaluations: int = 10
-    """Evaluations and checkpoints during training."""
+    every: int = 4
+    """Iterations from one evaluation and checkpoint to the next."""
+    tensorboard: bool = False
+    """Also write the numbers for TensorBoard (needs the package tensorboard)."""
     output: Output = ""
-    """Result folder; runs/RIG-seedSEED if left out."""
+    """Result folder; runs/RIG-SENSORS-seedSEED if left out."""
     resume: bool = False
     """Continue from the last checkpoint in the result folder, with its options; only `minutes`,
-    `steps`, `threads` and `evaluations` may be others."""
-
-    def progress(self, steps: int, seconds: float) -> float:
-        """Share of the budget that is spent after so many decisions and so much time."""
-        if self.steps:
-            return min(1.0, steps / self.steps)
-        return min(1.0, seconds / (60.0 * (self.minutes or MINUTES)))
+    `iterations`, `threads` and `every` may be others."""
 
 
 @command(crane=".describe.fingerprints:main")
 class Fingerprint(RigOptions):
     """Print what tells a crane's parts and numbers from others, which a trained policy carries."""
-
-    policy: str = ""
-    """Policy (.json) without a fingerprint, trained on this crane, to write it into."""
 
 
 @command(".bench.speed:main")

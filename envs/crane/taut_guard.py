@@ -1,7 +1,7 @@
 """Commands that keep ropes taut, since a rope cannot push.
 
-    guard = TautGuard(task)
-    actions = guard.keep(actions)
+    band = TautBand(task)
+    actions = band.keep(actions)            # or TautGuard(env), below all other controllers
 
 A winch with drum radius r whose rope pulls with T needs the input u = (J/r) L'' - r T.  Around the
 planned input the guard leaves what changes the planned pull r T to between `LEAST` and `MOST` of
@@ -13,10 +13,14 @@ The load's own motion changes tension as well, which no limit on a command preve
 makes slack ropes rare, not impossible.
 """
 
+from typing import Any
+
 import numpy as np
 
+from ...models.errors import OptionError
 from ...models.rig.rig import Rope
 from ...models.types import Array
+from ..laws import AnyEnv, Law, laws_of, task_of, wrap
 from .along_plans import AlongPlans
 from .plan import CranePlan, layout_of
 from .task import CraneTask
@@ -25,7 +29,7 @@ LEAST, MOST = 0.35, 1.9
 """Share of the planned pull that commands may leave, and make of it."""
 
 
-class TautGuard:
+class TautBand:
     """Keeps the commands of n simulations within the band of the plans' pulls."""
 
     def __init__(self, task: CraneTask) -> None:
@@ -64,3 +68,35 @@ def pulls_of(task: CraneTask, plan: CranePlan) -> Array:
             inertia = rope.inertia_along * rope.drum_radius / task.limits[column]
             pulls[:, column] = np.maximum(inertia * change - inputs[:, column], 0.0)
     return pulls
+
+
+class GuardLaw(Law):
+    """The action, within the band."""
+
+    name = "TautGuard"
+
+    def __init__(self, task: CraneTask) -> None:
+        self._band = TautBand(task)
+
+    def apply(self, actions: Array) -> Array:
+        """Keep the action within the band."""
+        return self._band.keep(actions)
+
+
+def TautGuard(env: AnyEnv) -> Any:
+    """Keep what all controllers together ask of winches where their ropes pull.
+
+    Raises
+    ------
+    OptionError
+        `env` is no crane, or another controller stands below, which this one could not see.
+    """
+    task = task_of(env)
+    if not isinstance(task, CraneTask):
+        raise OptionError(f"{env} is no crane, TautGuard is for ropes of cranes")
+    below = next(laws_of(env), None)
+    if below is not None:
+        raise OptionError(
+            f"TautGuard above {below.name} would not see what that adds; put TautGuard first"
+        )
+    return wrap(env, GuardLaw(task))

@@ -12,7 +12,7 @@ from flatrig.envs.crane.linearisation import Lineariser, planned
 from flatrig.envs.crane.optimal_feedback import Weights, output_weights, regulator
 from flatrig.envs.crane.plan import feedforward_with, make_plan
 from flatrig.envs.crane.riccati import Ahead, Stage, recursion, stationary
-from flatrig.envs.crane.taut_guard import LEAST, MOST, TautGuard, pulls_of
+from flatrig.envs.crane.taut_guard import LEAST, MOST, TautBand, pulls_of
 from flatrig.feedforward import from_move, solve
 from flatrig.training.learn.crane_teacher import CraneTeacher
 
@@ -172,7 +172,7 @@ def test_the_guard_leaves_shares_of_the_planned_pull(name):
         pull = motion.tensions[:, rig.rope_names.index(rope.name)] * rope.drum_radius
         found = pulls_of(task, plan)[:, column] * drive.limit
         assert found[:-1] == pytest.approx(pull[:-1], rel=2e-3)
-    guard, planned_now = TautGuard(task), task.rows.parts["feedforward"]
+    guard, planned_now = TautBand(task), task.rows.parts["feedforward"]
     assert guard.keep(planned_now) == pytest.approx(planned_now)
     at_rest = plan.rows[0][: len(rig.drives)]
     assert np.isfinite(at_rest).all()

@@ -1,306 +1,221 @@
-"""Training, end to end and small: imitation, export, result folder, checkpoints."""
+"""Training, end to end and small: lessons, export, result folder, checkpoints."""
 
 import csv
-import io
 import json
 import os
 import shutil
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-pytest.importorskip("stable_baselines3")
 pytest.importorskip("torch")
 
 import torch
-from rich.console import Console
 
 from flatrig import models
-from flatrig.models.errors import OptionError
+from flatrig.envs import Disturbances, Scenario
 from flatrig.training.cli import main
-from flatrig.training.learn.ppo import Training
-from flatrig.training.learn.sb3 import export
+from flatrig.training.learn import checkpoint
+from flatrig.training.learn.crane_teacher import CraneTeacher
+from flatrig.training.learn.dagger import Training
+from flatrig.training.learn.rollout import Classroom, draw_episodes
 from flatrig.training.learn.settings import Settings
+from flatrig.training.learn.student import Lessons, School, Student
 from flatrig.training.lock import locked
-from flatrig.training.options import Train
 from flatrig.training.policy import Policy
 
 RIG = models.overhead_crane()
+MOVE = models.default_move(RIG)
+SHORT = ["--episodes", "4", "--iterations", "1", "--threads", "1"]
 
 
 @pytest.fixture(autouse=True, scope="module")
-def _few_scenarios() -> Iterator[None]:
+def _few_lessons() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("flatrig.training.learn.ppo.VALIDATION_SCENARIOS", 4)
+        patch.setattr("flatrig.training.learn.loop.VALIDATION_EPISODES", 4)
+        patch.setattr("flatrig.training.learn.loop.VALIDATION_HOLDS", (1.0, 1.0))
+        patch.setattr(Settings, "__init__", _fewer(Settings.__init__))
         yield
 
 
-SHORT = ["--goal", "0.5", "-3.5", "--duration", "1.5", "--envs", "4", "--evaluations", "1"]
+FEW = {"updates": 20, "last_updates": 20, "width": 16, "holds": (0.5, 1.0)}
 
 
-def training_in(folder: Path, settings: Settings | None = None, **more: Any) -> Training:
-    command = Train("overhead", goal=(0.5, -3.5), duration=1.5, envs=4, evaluations=1, **more)
-    out = Console(file=io.StringIO(), width=200)
-    return Training(*command.target(), command, settings or Settings(), folder, out)
+def _fewer(init: Any) -> Any:
+    def made(self: Settings, **values: Any) -> None:
+        init(self, **(FEW | values))
 
-
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Training:
-    training = training_in(tmp_path_factory.mktemp("finished"), steps=600, seed=5)
-    training.run()
-    return training
-
-
-def test_a_resumed_run_has_the_numbers_of_the_run_before(finished: Training) -> None:
-    again = training_in(finished.folder, steps=600, seed=5, resume=True)
-    assert (again.steps, again.spent, again.best) == (
-        finished.steps,
-        finished.spent,
-        finished.best,
-    )
-    weights = finished.model.policy.state_dict()
-    assert weights["action_net.weight"].abs().max() > 0
-    for name, value in again.model.policy.state_dict().items():
-        torch.testing.assert_close(value, weights[name], rtol=0, atol=0)
-    moments = finished.model.policy.optimizer.state_dict()["state"]
-    restored = again.model.policy.optimizer.state_dict()["state"]
-    assert restored.keys() == moments.keys()
-    assert len(moments) > 0
-    for index, entries in moments.items():
-        assert {"step", "exp_avg", "exp_avg_sq"} <= entries.keys() == restored[index].keys()
-        for name, value in entries.items():
-            torch.testing.assert_close(restored[index][name], value, rtol=0, atol=0)
-    ours, theirs = again.adapter.normaliser, finished.adapter.normaliser
-    np.testing.assert_array_equal(ours.mean, theirs.mean)
-    np.testing.assert_array_equal(ours.var, theirs.var)
-    assert ours.count == theirs.count
-
-
-def test_a_resumed_run_does_not_meet_its_first_scenarios_again(finished: Training) -> None:
-    found = []
-    for resume in (False, False, True):
-        training = training_in(finished.folder, steps=600, seed=5, resume=resume)
-        training.adapter.reset()
-        found.append(list(training.adapter.env.unwrapped.task.scenarios))
-    assert found[0] == found[1]
-    assert not set(map(repr, found[0])) & set(map(repr, found[2]))
-
-
-def test_the_last_line_says_which_policy_is_best_and_where(finished: Training) -> None:
-    file: Any = finished.out.file
-    line = file.getvalue().splitlines()[-1]
-    best = json.loads((finished.folder / "policy.json").read_text())["training"]["steps"]
-    assert line.startswith(f"best policy, of decision {best}: ")
-    assert "on the validation scenarios that it was selected on" in line
-
-
-def test_an_evaluation_tells_of_early_ends(
-    finished: Training, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    judge, whole = finished.judge, finished.judge.residual
-    monkeypatch.setattr(finished, "folder", tmp_path)
-    assert "ended" not in finished.evaluate()
-    failed = np.array([1.0, 0.0, 1.0, 1.0])
-    monkeypatch.setattr(judge, "residual", lambda *given: replace(whole(*given), failed=failed))
-    assert finished.evaluate().endswith("%), 3 ended early")
-
-
-def test_the_actor_ignores_what_only_the_critic_may_see(finished: Training) -> None:
-    network: Any = finished.model.policy
-    public = finished.recall.features
-    told = torch.rand(20, public + finished.adapter.private)
-    other = told.clone()
-    other[:, public:] += 1.0
-    with torch.no_grad():
-        actions = [network._predict(x, deterministic=True) for x in (told, other)]
-        values = [network.predict_values(x) for x in (told, other)]
-        changed = network._predict(told + 1.0, deterministic=True)
-    torch.testing.assert_close(actions[0], actions[1], rtol=0, atol=0)
-    assert (values[0] - values[1]).abs().min() > 0
-    assert (actions[0] - changed).abs().min() > 0
-
-
-def test_imitation_comes_close_to_the_teacher(tmp_path: Path) -> None:
-    training = training_in(tmp_path, Settings(imitation=1.0), steps=800)
-    training.run()
-    parts: Any = training.model.policy.mlp_extractor
-    head: Any = training.model.policy.action_net
-    places, said = (torch.cat(column) for column in zip(*training.model.lessons, strict=True))
-    with torch.no_grad():
-        left = (head(parts.forward_actor(places)) - said).square().mean()
-    assert left < 0.5 * said.square().mean()  # the actor starts at 0
+    return made
 
 
 @pytest.fixture(scope="module")
-def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("runs") / "small"
-    assert main(["train", "overhead", *SHORT, "--steps", "1000", "-o", str(folder)]) == 0
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A finished run."""
+    folder = tmp_path_factory.mktemp("train") / "run"
+    assert main(["train", "overhead", "--seed", "5", *SHORT, "-o", str(folder)]) == 0
     return folder
 
 
-def test_a_run_says_what_it_was(trained: Path) -> None:
-    held = {path.name for path in trained.iterdir()}
-    assert held >= {"config.json", "progress.csv", "evaluation.csv", "checkpoint.json"}
-    assert held >= {"checkpoint.safetensors", "policy.json", "policy.safetensors"}
-    config = json.loads((trained / "config.json").read_text())
-    assert config["versions"]["torch"] == torch.__version__
-    assert config["options"]["seed"] == 0
+def rows_of(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_run_leaves_a_policy_with_what_one_needs_to_make_it_again(folder: Path) -> None:
+    policy = Policy.load(folder / "policy")
+    card = policy.card
+    assert (card.plant, card.sensors) == ("overhead_crane", "encoders")
+    assert card.fingerprint == models.fingerprint(RIG)
+    made = card.training
+    assert made["seed"] == 5
+    assert made["disturbances"]["load_mass"] == [0.7, 1.3]
+    assert "train overhead --seed 5" in made["command"]
+    assert made["versions"]["torch"].startswith("2.")
+    low, high = card.box
+    assert low <= tuple(np.minimum(MOVE.start, MOVE.goal))
+    assert high >= tuple(np.maximum(MOVE.start, MOVE.goal))
+    evaluation = rows_of(folder / "evaluation.csv")
+    assert [row["iteration"] for row in evaluation] == ["1"]
+    assert float(evaluation[0]["rmse"]) == pytest.approx(made["rmse"])
+    assert len(rows_of(folder / "progress.csv")) == 1
+    config = json.loads((folder / "config.json").read_text())
     assert models.loads(config["rig"])[0] == RIG
-    with (trained / "evaluation.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert int(rows[-1]["steps"]) >= 1000
-    assert float(rows[-1]["rmse"]) > 0
-    policy = Policy.load(trained / "policy")
-    assert policy.card.rig == "overhead_crane"
-    assert policy.card.training["seed"] == 0
 
 
-def test_numpy_and_torch_agree(trained: Path) -> None:
-    training = training_in(trained, resume=True)
-    network: Any = training.model.policy
-    with torch.no_grad():
-        torch.manual_seed(0)
-        network.action_net.weight.normal_()
-    policy = export(network, training.adapter, training.card)
-    features = 3.0 * np.random.default_rng(0).normal(size=(200, policy.recall.features))
-    normal = training.adapter.normaliser
-    whole = np.concatenate((features, np.zeros((200, training.adapter.private))), axis=1)
-    scaled = np.clip((whole - normal.mean) / training.adapter.scale, -10.0, 10.0)
-    with torch.no_grad():
-        theirs = network._predict(torch.as_tensor(scaled, dtype=torch.float32), deterministic=True)
-    ours = policy.network(features)
-    np.testing.assert_allclose(ours, theirs.numpy(), rtol=1e-5, atol=1e-5)
-    assert training.steps >= 1000
+def test_the_same_seed_trains_the_same_policy(folder: Path, tmp_path: Path) -> None:
+    again = tmp_path / "again"
+    assert main(["train", "overhead", "--seed", "5", *SHORT, "-o", str(again)]) == 0
+    first, second = (Policy.load(path / "policy").network.tensors() for path in (folder, again))
+    for name, array in first.items():
+        np.testing.assert_array_equal(array, second[name])
+    assert np.abs(first["action.weight"]).max() > 0
 
 
-def test_resuming_goes_on_where_it_stopped(trained: Path) -> None:
-    steps = json.loads((trained / "checkpoint.json").read_text())["steps"]
-    assert main(["train", "overhead", "-o", str(trained), "--resume"]) == 0
-    same = json.loads((trained / "checkpoint.json").read_text())["steps"]
-    assert same <= steps + 4  # the budget is the run's own, and spent
-    more = ["--steps", str(same + 600), "-o", str(trained)]
-    assert main(["train", "overhead_crane", *SHORT, *more, "--resume"]) == 0
-    again = json.loads((trained / "checkpoint.json").read_text())
-    assert same + 600 <= again["steps"] < same + 600 + 2 * 512
-    config = json.loads((trained / "config.json").read_text())
-    assert config["options"]["steps"] == 1000
-    assert [later["steps"] for later in config["resumed"]] == [1000, same + 600]
-    assert [later["from"] for later in config["resumed"]] == [steps, same]
-
-
-def test_what_was_noted_after_the_checkpoint_is_not_there_twice(
-    trained: Path, tmp_path: Path
-) -> None:
-    """A run killed between two checkpoints has rows that the resumed one writes again."""
-    folder = tmp_path / "run"
-    shutil.copytree(trained, folder)
-    steps = json.loads((folder / "checkpoint.json").read_text())["steps"]
-    kept = {}
-    for name in ("progress.csv", "evaluation.csv"):
-        kept[name] = (folder / name).read_text()
-        header, *_, last = kept[name].splitlines()
-        row = dict(zip(header.split(","), last.split(","), strict=True))
-        later = ",".join((row | {"steps": str(steps + 64)}).values())
-        with (folder / name).open("a") as file:
-            file.write(f"{later}\n{later[: len(later) // 2]}")
-    assert main(["train", "overhead", "-o", str(folder), "--resume"]) == 0
-    for name, text in kept.items():
-        assert (folder / name).read_text().startswith(text)
-        with (folder / name).open(newline="") as file:
-            reached = [int(row["steps"]) for row in csv.DictReader(file)]
-        assert steps + 64 not in reached[: len(text.splitlines())]
-        assert reached == sorted(reached)
-    (folder / "progress.csv").write_text("no,table\n")
-    assert main(["train", "overhead", "-o", str(folder), "--resume"]) == 2
-
-
-def test_two_runs_in_one_folder_keep_apart(
-    trained: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    before = {path.name: path.read_bytes() for path in trained.iterdir()}
-    with locked(trained):
-        assert main(["train", "overhead", "-o", str(trained), "--resume"]) == 2
-    assert f"process {os.getpid()} on" in capsys.readouterr().err
-    assert {path.name: path.read_bytes() for path in trained.iterdir()} == before
-    with locked(trained.parent / "begun"):
-        argv = ["train", "overhead", *SHORT, "--steps", "100", "-o", str(trained.parent / "begun")]
-        assert main(argv) == 2
-        assert [path.name for path in (trained.parent / "begun").iterdir()] == [".lock"]
+def test_a_resumed_run_has_the_network_of_the_run_before(folder: Path, tmp_path: Path) -> None:
+    shutil.copytree(folder, tmp_path / "run")
+    settings = Settings(episodes=4)
+    one, other = (Training(RIG, MOVE, seed=seed, settings=settings, nthread=1) for seed in (5, 5))
+    state = checkpoint.read(folder, one)
+    checkpoint.write(tmp_path, one, state)
+    assert checkpoint.read(tmp_path, other) == state
+    assert one.iteration == other.iteration == 1
+    for name, value in one.student.state_dict().items():
+        torch.testing.assert_close(other.student.state_dict()[name], value, rtol=0, atol=0)
+    moments, restored = (t.school.optimiser.state_dict()["state"] for t in (one, other))
+    assert moments.keys() == restored.keys()
+    assert len(moments) > 0
+    np.testing.assert_array_equal(one.units, other.units)
+    assert (
+        main(["train", "overhead", "--resume", "--iterations", "2", "-o", str(tmp_path / "run")])
+        == 0
+    )
+    assert [row["iteration"] for row in rows_of(tmp_path / "run/progress.csv")] == ["1", "2"]
+    config = json.loads((tmp_path / "run/config.json").read_text())
+    assert config["resumed"][0]["from"] == 1
 
 
 @pytest.mark.parametrize(
-    ("argv", "expected"),
-    [
-        (["overhead", "--envs", "8"], "--envs is 8, but the run in"),
-        (["overhead", "--seed", "7"], "begun with 0"),
-        (["overhead", "--goal", "0.6", "-3.5"], "begun with 0.5 -3.5"),
-        (["overhead", "--set", "load_mass=80"], "begun with none"),
-        (["rotary"], "rotary is not the rig"),
-    ],
-    ids=["envs", "seed", "goal", "set", "rig"],
+    "spoil", ["checkpoint.safetensors", "checkpoint.json"], ids=["numbers", "words"]
 )
-def test_another_run_is_not_resumed(
-    argv: list[str], expected: str, trained: Path, capsys: pytest.CaptureFixture[str]
+def test_a_damaged_checkpoint_is_refused_in_one_line(
+    folder: Path, tmp_path: Path, spoil: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    before = {path.name: path.read_bytes() for path in trained.iterdir()}
-    assert main(["train", *argv, "-o", str(trained), "--resume"]) == 2
-    assert expected in capsys.readouterr().err
-    assert {path.name: path.read_bytes() for path in trained.iterdir()} == before
+    shutil.copytree(folder, tmp_path / "run")
+    path = tmp_path / "run" / spoil
+    path.write_bytes(path.read_bytes()[:100])
+    assert main(["train", "overhead", "--resume", "-o", str(tmp_path / "run")]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
 
 
-def test_a_run_is_not_overwritten_and_not_resumed_from_nothing(
-    trained: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--minutes", "0"], "--minutes is 0"),
+        (["--iterations", "-1"], "--iterations is -1"),
+        (["--episodes", "0"], "--episodes is 0"),
+        (["--seed", "-1"], "--seed is -1"),
+        (["--seeds", "2", "-o", "x"], "--seeds names its own folders"),
+        (["--seeds", "2", "--resume"], "--seeds names its own folders"),
+        (["--resume", "-o", "nowhere"], "there is no checkpoint in nowhere"),
+    ],
+)
+def test_what_no_run_can_have_is_refused(
+    words: list[str], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    assert main(["train", "overhead", *words]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert len(error.splitlines()) == 1
+    assert not os.listdir(tmp_path)
+
+
+def test_a_folder_with_a_run_is_not_begun_again(
+    folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["train", "overhead", "-o", str(trained)]) == 2
-    assert "holds a run already" in capsys.readouterr().err
-    assert main(["train", "overhead", "-o", str(tmp_path / "none"), "--resume"]) == 2
-    assert "no checkpoint" in capsys.readouterr().err
+    before = (folder / "policy.json").read_bytes()
+    assert main(["train", "overhead", *SHORT, "-o", str(folder)]) == 2
+    assert "holds a run already; add --resume" in capsys.readouterr().err
+    assert main(["train", "rotary", "--resume", "-o", str(folder)]) == 2
+    assert "is not the rig with the move" in capsys.readouterr().err
+    with locked(folder):
+        assert main(["train", "overhead", "--resume", "-o", str(folder)]) == 1
+    assert (folder / "policy.json").read_bytes() == before
 
 
-def test_a_run_that_cannot_begin_leaves_nothing(tmp_path: Path) -> None:
-    argv = ["train", "overhead", "--goal", "9", "-1", "-o", str(tmp_path / "run")]
-    assert main(argv) == 1
-    assert not (tmp_path / "run").exists()
+def test_lessons_are_what_the_teacher_adds_to_the_base() -> None:
+    """Where the teacher drives, base and lesson make its command, to the estimate's last step."""
+    rng = np.random.default_rng(1)
+    dis = Disturbances.standard(RIG)
+    room = Classroom(RIG, MOVE, 3, sensors="encoders", disturbances=dis, nthread=1)
+    episodes = draw_episodes(
+        RIG, MOVE, 3, rng, disturbances=dis, period=room.task.period, holds=(0.5, 0.5)
+    )
+    plans, scenarios = zip(*episodes, strict=True)
+    teacher = CraneTeacher(room.task, plans, scenarios)
+    advised, sent = [], []
+    advice, note = teacher.advice, teacher.sent
+    teacher.advice = lambda: advised.append(advice()) or advised[-1]  # type: ignore[method-assign, func-returns-value]
+    teacher.sent = lambda u: sent.append(u.copy()) or note(u)  # type: ignore[method-assign, func-returns-value]
+    seen = room.run(
+        episodes, lambda fresh: (np.zeros((3, 1)), np.zeros((3, 2))), teacher, seed=0, taught=1.0
+    )
+    apart = np.abs(np.array(sent) - np.array(advised))[seen.going]
+    assert apart.max() < 0.02
+    assert np.abs(seen.wanted[seen.going]).max() > 0.02
+    assert not seen.early.any()
+    plain = [
+        e.scenario == Scenario(encoder_resolution=e.scenario.encoder_resolution) for e in episodes
+    ]
+    assert plain == [True, False, False]
+    mass = seen.truth[0, :, room.heads.index("mass")] * 0.17 + 1.0
+    np.testing.assert_allclose(mass, [s.load_mass for s in scenarios], rtol=1e-6)
 
 
-def test_a_run_without_a_checkpoint_is_begun_anew(tmp_path: Path) -> None:
-    for name in ("config.json", "progress.csv", "evaluation.csv"):
-        (tmp_path / name).write_text("of the run before\n")
-    assert main(["train", "overhead", *SHORT, "--steps", "100", "-o", str(tmp_path)]) == 0
-    assert "checkpoint.json" in {path.name for path in tmp_path.iterdir()}
-    assert "of the run before" not in (tmp_path / "evaluation.csv").read_text()
+def test_a_student_learns_what_it_is_shown_and_weighs_errors() -> None:
+    torch.manual_seed(0)
+    rng = np.random.default_rng(0)
+    x = rng.normal(size=(4000, 6))
+    wanted = np.stack((np.tanh(x[:, 0] + x[:, 1]), x[:, 2] * 0.5), axis=1)
+    lessons = Lessons()
+    lessons.add(x, wanted, x[:, :1], np.tile(np.diag([1.0, 0.1]), (4000, 1, 1)))
+    school = School(Student(6, 2, 1, 32), batch=256)
+    first, _ = school.fit(lessons, 20, 1.0, 1.0)
+    last, heads = school.fit(lessons, 400, 1.0, 0.05)
+    assert last < 0.05 * first
+    assert heads < 0.1
 
 
-def test_a_folder_where_a_table_should_be(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    from flatrig.models.files import OutputError
-    from flatrig.training.tables import append_csv
-
-    (tmp_path / "evaluation.csv").mkdir()
-    assert main(["train", "overhead", *SHORT, "--steps", "100", "-o", str(tmp_path)]) == 2
-    assert "evaluation.csv: it is there already" in capsys.readouterr().err
-    with pytest.raises(OutputError, match="Is a directory"):
-        append_csv(tmp_path / "evaluation.csv", {"steps": 1})
-
-
-def test_a_damaged_checkpoint_is_refused(trained: Path, tmp_path: Path) -> None:
-    from flatrig.training.learn import checkpoint
-
-    (tmp_path / "checkpoint.json").write_text("{}")
-    (tmp_path / "checkpoint.safetensors").write_bytes(b"\x80\x04pickle")
-    with pytest.raises(OptionError, match="does not fit"):
-        checkpoint.read(tmp_path, None, None)  # type: ignore[arg-type]
-
-
-def test_the_same_seed_trains_the_same_policy(tmp_path: Path) -> None:
-    found = []
-    for name in "ab":
-        argv = ["train", "overhead", *SHORT, "--steps", "600", "--seed", "3"]
-        assert main([*argv, "-o", str(tmp_path / name)]) == 0
-        found.append((tmp_path / name / "policy.safetensors").read_bytes())
-    assert found[0] == found[1]
+def test_lessons_beyond_the_most_replace_old_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("flatrig.training.learn.student.MOST", 100)
+    lessons = Lessons()
+    for value in (0.0, 1.0):
+        lessons.add(*(np.full((80, 1), value) for _ in range(3)), np.full((80, 1, 1), value))
+    assert len(lessons) == 100
+    parts = [part.reshape(100, -1)[:, 0] for part in lessons.parts]
+    assert all((part == parts[0]).all() for part in parts)
+    assert 20 < parts[0].sum() <= 80

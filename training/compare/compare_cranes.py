@@ -20,14 +20,14 @@ from ...envs.crane.payloads import payloads
 from ...models import Move, Rig
 from ...models.files import make_folder
 from .. import options
-from ..console import console
 from ..describe.feasible import INFEASIBLE, problems_of
 from ..exits import DONE, refuse
+from ..learned import check
 from ..policy import Policy, shipped
-from .contenders import EVALUATION_SEED, Contender, with_residual
+from .contenders import EVALUATION_SEED, Contender
 from .driving import drive_all, periods
 from .figure import draw
-from .metrics import LASTING, SETTLED, Metrics, Record, between, measure
+from .metrics import LASTING, SETTLED, Record, between, measure
 from .report import INTERVALS, Column, Comparison, Run, report
 
 HOLD = 4.0
@@ -72,12 +72,6 @@ def scenarios_for(rig: Rig, number: int, seed: int = EVALUATION_SEED) -> list[Sc
     return design(Disturbances.standard(rig), number, seed)
 
 
-UNSIGNED = (
-    "policy {} does not say which numbers the rig had that it was trained on; if they were these, "
-    "`flatrig fingerprint RIG --policy FILE` writes so into it"
-)
-
-
 class Runner:
     """Drives the same scenarios with one controller after the other."""
 
@@ -89,27 +83,18 @@ class Runner:
         self.arrival = self.reference.duration
         self.steps = round((self.arrival + HOLD) / self.task.period)
 
-    def drive(self, wrap: Callable[[Any], Any], policy: Policy | None = None) -> Record:
+    def drive(self, wrap: Callable[[Any], Any]) -> Record:
         """Run all scenarios to their end.
 
         Parameters
         ----------
         wrap
             Puts the controller around the environment.
-        policy
-            Policy that chooses the action from above; it is zero without one.
-
-        Raises
-        ------
-        OptionError
-            The policy does not suit the environment.
         """
         task, num = self.task, len(self.scenarios)
-        if policy is not None:
-            policy.check(task)
         rows = [
             (alive, *(np.array(info[name]) for name in ("load", "input", "tension")))
-            for alive, info in islice(periods(wrap(self.env), self.scenarios, policy), self.steps)
+            for alive, info in islice(periods(wrap(self.env), self.scenarios), self.steps)
         ]
         alive, outputs, inputs, tensions = map(np.array, zip(*rows, strict=True))
         times = task.period * np.arange(1, self.steps + 1)
@@ -125,10 +110,6 @@ class Runner:
             alive=alive,
             turn=between(path[..., angles], outputs[..., angles]) if angles else None,
         )
-
-    def residual(self, policy: Policy | None, fraction: float = 1.0) -> Metrics:
-        """Metrics of a residual policy on feedforward + PD, of these alone without one."""
-        return measure(self.drive(lambda env: with_residual(env, fraction), policy))
 
 
 def carried(rig: Rig) -> tuple[list[int], list[int]]:
@@ -158,8 +139,6 @@ def main(command: options.Compare) -> int:
         origin = f"no policy is shipped for {rig.name} with these numbers"
     else:
         origin = command.policy or f"shipped with flatrig, {policy.card.training.get('command')}"
-        if not policy.card.fingerprint:
-            console(stderr=True).print(f"warning: {UNSIGNED.format(origin)}", soft_wrap=True)
     comparison = compare(rig, move, scenarios, policy, origin)
     draw(comparison, folder / "figure.png")
     report(comparison, folder, command.json)
@@ -189,12 +168,11 @@ def compare(
     """
     runner = cache(lambda sensors: Runner(rig, move, scenarios, sensors=sensors))
     if policy is not None:
-        policy.check(runner(policy.card.sensors).task)
+        check(policy.card, runner(policy.card.sensors).task)
 
     def drive(entry: Contender) -> Run:
         if policy is not None and entry.learned:
-            wrap = partial(entry.wrap, fraction=policy.card.fraction)
-            record = runner(policy.card.sensors).drive(wrap, policy)
+            record = runner(policy.card.sensors).drive(partial(entry.wrap, policy=policy))
         else:
             record = runner(entry.sensors).drive(entry.wrap)
         return Run(entry, record.times, record.distance, measure(record))

@@ -11,7 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from ...envs import PD, Feedforward, PoseFeedback, Residual
+from ...envs import PD, Feedforward, PoseFeedback
+from ..learned import LearnedResidual, base_controller
+from ..policy import Policy
 
 EVALUATION_SEED = 2016_2001
 """Seed of the scenarios on which contenders are compared; training never uses it."""
@@ -29,7 +31,7 @@ class Contender:
     name: str
     """Name of its row."""
     wrap: Wrap
-    """Function of the environment, and of the policy's `fraction` if learned, that wraps it."""
+    """Function of the environment, and of the policy if learned, that wraps it."""
     plants: tuple[Plant, ...] = ("crane", "hand")
     """What it can drive."""
     sensors: str = "encoders"
@@ -86,7 +88,7 @@ def with_pose(env: Any) -> Any:
     return PoseFeedback(with_feedback(env))
 
 
-@contender("FF + PD + residual", learned=True, emphasis=True)
-def with_residual(env: Any, fraction: float) -> Any:
-    """The same, and an action that is a fraction of the limits."""
-    return Residual(with_feedback(env), fraction=fraction)
+@contender("FF + PD + residual", plants=("crane",), learned=True, emphasis=True)
+def with_residual(env: Any, policy: Policy) -> Any:
+    """The same with the estimated mass, and what a policy has learned."""
+    return LearnedResidual(base_controller(env), policy)

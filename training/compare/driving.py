@@ -8,7 +8,6 @@ from rich.progress import track
 
 from ...models.types import Mask
 from ..console import console
-from ..policy import Policy
 from .contenders import Contender, Plant, contenders_for
 from .report import Run
 
@@ -25,9 +24,7 @@ def drive_all(
     return [drive(entry) for entry in bar], absent
 
 
-def periods(
-    env: Any, scenarios: Sequence[Any], policy: Policy | None = None
-) -> Iterator[tuple[Mask, dict[str, Any]]]:
+def periods(env: Any, scenarios: Sequence[Any]) -> Iterator[tuple[Mask, dict[str, Any]]]:
     """Begin N scenarios at once; the iterator then steps through their control periods, endlessly.
 
     Parameters
@@ -36,26 +33,19 @@ def periods(
         Vector environment, with the controller around it.
     scenarios
         How each of the N plants differs from the rig or hand.
-    policy
-        Policy that chooses the action from above; it is zero without one.
 
     Returns
     -------
     Iterator
         Of each period which runs have not ended early by its end, shape (N,), and the infos.
     """
-    observation, _ = env.reset(seed=0, options={"scenarios": list(scenarios)})
-    return _steps(env, observation, policy)
+    env.reset(seed=0, options={"scenarios": list(scenarios)})
+    return _steps(env)
 
 
-def _steps(
-    env: Any, observation: Any, policy: Policy | None
-) -> Iterator[tuple[Mask, dict[str, Any]]]:
+def _steps(env: Any) -> Iterator[tuple[Mask, dict[str, Any]]]:
     action, alive = np.zeros(env.action_space.shape), np.ones(env.num_envs, dtype=bool)
-    memory = policy.start(env.num_envs) if policy else None
     while True:
-        if policy and memory:
-            action = policy(observation, memory)
-        observation, _, terminated, _, info = env.step(action)
+        _, _, terminated, _, info = env.step(action)
         alive = alive & ~terminated
         yield alive, info

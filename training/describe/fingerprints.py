@@ -3,12 +3,9 @@
 from ...models import fingerprint
 from .. import options
 from ..console import console
-from ..policy import sign
 
 
 def main(command: options.Fingerprint) -> None:
-    """Print a crane's fingerprint, and write it into a policy if one is given."""
+    """Print a crane's fingerprint."""
     rig, _ = command.target()
-    if command.policy:
-        sign(command.policy, rig)
     console().print(f"{fingerprint(rig)}  {rig.name}")

@@ -25,7 +25,7 @@ from ...envs.crane.linearisation import FRICTIONS, Lineariser, planned
 from ...envs.crane.optimal_feedback import Weights, output_weights, regulator
 from ...envs.crane.payloads import payloads
 from ...envs.crane.plan import CranePlan
-from ...envs.crane.taut_guard import TautGuard
+from ...envs.crane.taut_guard import TautBand
 from ...envs.crane.wind import heading
 from ...models.types import Array
 from ..compare.compare_cranes import carried
@@ -47,6 +47,8 @@ class CraneTeacher:
         Makes the linear models; one may serve many teachers of a rig.
     weights
         Of the regulator.
+    delay
+        Of commands, with which it counts [periods]; every plant's own if left out.
 
     Raises
     ------
@@ -62,6 +64,7 @@ class CraneTeacher:
         *,
         lineariser: Lineariser | None = None,
         weights: Weights = BALANCE,
+        delay: int | None = None,
     ) -> None:
         self.task, self._plans = task, list(plans)
         lineariser = lineariser or lineariser_for(task)
@@ -69,14 +72,15 @@ class CraneTeacher:
             planned(task.rig, lineariser.model, plan, scenario.load_mass)
             for plan, scenario in zip(plans, scenarios, strict=True)
         ]
-        self._delays = np.array([scenario.delay for scenario in scenarios])
+        self._late = np.array([scenario.delay for scenario in scenarios])
+        self._delays = self._late if delay is None else np.full_like(self._late, delay)
         self._masses = np.array([scenario.load_mass for scenario in scenarios])
         model = lineariser.along(courses)
         outputs = output_weights(task.rig, task.scales, weights)
         self._gains = regulator(model, self._delays, outputs, weights)
         self._states = _padded([course.states for course in courses])
         self._inputs = _padded([course.inputs for course in courses])
-        self._guard = TautGuard(task)
+        self._guard = TautBand(task)
         self._memory = max(1, int(self._delays.max()))
         self._every = np.arange(task.num)
         self._axes = lineariser.axes
@@ -94,7 +98,7 @@ class CraneTeacher:
         """
         masses = np.array([scenario.load_mass for scenario in scenarios])
         delays = np.array([scenario.delay for scenario in scenarios])
-        if not (np.array_equal(masses, self._masses) and np.array_equal(delays, self._delays)):
+        if not (np.array_equal(masses, self._masses) and np.array_equal(delays, self._late)):
             raise ValueError("these scenarios have other loads or delays, make a new CraneTeacher")
         names = ("wind", "gust", "gust_frequency", "gust_phase")
         self._wind = np.array([[getattr(s, name) for name in names] for s in scenarios]).T
@@ -151,7 +155,7 @@ class CraneTeacher:
             "wind": self.wind(),
             "friction": self._friction[:, :2].copy(),
             "offset": self.load_errors,
-            "delay": self._delays[:, None].astype(float),
+            "delay": self._late[:, None].astype(float),
         }
 
     def _on_the_way(self) -> Array:

@@ -15,11 +15,11 @@ from ...models.errors import OptionError
 from ...models.files import OutputError, write_text
 from ...models.reading import read_json, read_text
 from .. import options
-from .settings import VALIDATION_SCENARIOS, VALIDATION_SEED, Settings
+from .settings import VALIDATION_EPISODES, VALIDATION_SEED, Settings
 
 TABLES = ("progress.csv", "evaluation.csv")
 """Files to which a run adds rows."""
-FREE = ("minutes", "steps", "threads", "evaluations")
+FREE = ("minutes", "iterations", "threads", "every", "tensorboard")
 """Options in which the rest of a resumed run may differ from its beginning."""
 PACKAGES = ("flatrig", "numpy", "mujoco", "gymnasium", "torch", "stable-baselines3")
 """Packages whose versions a result depends on."""
@@ -59,7 +59,7 @@ def read_config(
         settings = Settings(**_tuples(config["settings"]))
         begun_with = _tuples(config["options"])
         for resumption in config.get("resumed", []):
-            begun_with |= {"minutes": resumption["minutes"], "steps": resumption["steps"]}
+            begun_with |= {"minutes": resumption["minutes"], "iterations": resumption["iterations"]}
         rig = config["rig"]
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise OptionError(f"{path} is of no run that this version can resume: {error}") from None
@@ -79,7 +79,7 @@ def _with_options(
     values: dict[str, Any] = {}
     for item in fields(command):
         name, value = item.name, getattr(command, item.name)
-        if name in ("rig", "output", "resume") or name not in begun_with:
+        if name in ("rig", "output", "resume", "seeds") or name not in begun_with:
             continue
         if value == item.default:
             values[name] = begun_with[name]
@@ -88,8 +88,8 @@ def _with_options(
                 f"--{name} is {_text(value)}, but the run in {folder} was begun with "
                 f"{_text(begun_with[name])}; leave it out to go on with that run"
             )
-    if command.minutes is not None or command.steps is not None:
-        values |= {"minutes": command.minutes, "steps": command.steps}
+    if command.minutes is not None or command.iterations is not None:
+        values |= {"minutes": command.minutes, "iterations": command.iterations}
     return replace(command, **values)
 
 
@@ -122,15 +122,15 @@ def make_run_folder(folder: Path) -> None:
         raise OutputError(f"cannot write {folder}: {error.strerror}") from None
 
 
-def cut_tables(folder: Path, steps: int) -> None:
+def cut_tables(folder: Path, iteration: int) -> None:
     """Take from the tables of a run what it has noted after its checkpoint.
 
     Parameters
     ----------
     folder
         Result folder of the run.
-    steps
-        Decisions of the policy up to the checkpoint.
+    iteration
+        That of the checkpoint.
 
     Raises
     ------
@@ -143,21 +143,21 @@ def cut_tables(folder: Path, steps: int) -> None:
         if not path.exists():
             continue
         text = read_text(path, OptionError)
-        kept = _until(path, text.splitlines(keepends=True), steps)
+        kept = _until(path, text.splitlines(keepends=True), iteration)
         if kept != text:
             write_text(path, kept)
 
 
-def _until(path: Path, lines: list[str], steps: int) -> str:
-    """Lines of a table up to so many decisions, without a last one that was cut off."""
+def _until(path: Path, lines: list[str], iteration: int) -> str:
+    """Lines of a table up to an iteration, without a last one that was cut off."""
     kept = lines[:1]
     names = "".join(kept).strip().split(",")
-    if kept and "steps" not in names:
-        raise OptionError(f"{path} is no table of a training run, it has no column 'steps'")
+    if kept and "iteration" not in names:
+        raise OptionError(f"{path} is no table of a training run, it has no column 'iteration'")
     for line in lines[1:]:
         row = dict(zip(names, line.split(","), strict=False))
-        whole = line.endswith("\n") and len(row) == len(names) and row["steps"].isdecimal()
-        if not whole or int(row["steps"]) > steps:
+        whole = line.endswith("\n") and len(row) == len(names) and row["iteration"].isdecimal()
+        if not whole or int(row["iteration"]) > iteration:
             break
         kept.append(line)
     return "".join(kept)
@@ -169,7 +169,7 @@ def write_config(
     settings: Settings,
     rig: str,
     config: dict[str, Any],
-    steps: int,
+    iteration: int,
 ) -> None:
     """Write config.json: what runs, or added to the `config` of a run, that it goes on.
 
@@ -183,8 +183,8 @@ def write_config(
         Rig and move as TOML.
     config
         What config.json holds, empty for a new run.
-    steps
-        Decisions of the policy so far.
+    iteration
+        That of the checkpoint.
 
     Raises
     ------
@@ -192,15 +192,15 @@ def write_config(
         It cannot be written.
     """
     if config:
-        resumption = {"command": command_line(), "from": steps}
-        resumption |= {"minutes": command.minutes, "steps": command.steps}
+        resumption = {"command": command_line(), "from": iteration}
+        resumption |= {"minutes": command.minutes, "iterations": command.iterations}
         config = config | {"resumed": [*config.get("resumed", []), resumption]}
     else:
         config = {
             "command": command_line(),
             "options": asdict(command),
             "settings": asdict(settings),
-            "validation": {"seed": VALIDATION_SEED, "scenarios": VALIDATION_SCENARIOS},
+            "validation": {"seed": VALIDATION_SEED, "episodes": VALIDATION_EPISODES},
             "versions": versions(),
             "machine": {"system": platform.platform(), "processors": os.cpu_count()},
             "rig": rig,

@@ -1,54 +1,54 @@
-"""How a policy learns, and the scenarios on which it is judged meanwhile."""
+"""The numbers of a training run; `config.json` of a run holds them."""
 
 from dataclasses import dataclass
 
-VALIDATION_SEED = 2001_2016
-"""Seed of the scenarios on which policies are judged during training."""
-VALIDATION_SCENARIOS = 50
-"""Number of these scenarios."""
+from ..features import TIME_CONSTANTS
+
+VALIDATION_SEED = 2016_0413
+"""Seed of the episodes on which policies are judged in training; neither training nor `compare`
+uses it."""
+VALIDATION_EPISODES = 36
+"""Number of these."""
+VALIDATION_HOLDS = (4.0, 20.0)
+"""How long they last after arrival [s]."""
 
 
 @dataclass(frozen=True)
 class Settings:
-    """How a policy learns; one set of numbers for all rigs."""
+    """What training is done with."""
 
-    hidden: tuple[int, ...] = (64, 64)
-    """Widths of the hidden layers, of actor and critic alike."""
-    reach: float = 0.12
-    """How far the largest residual can push the load against the feedback [m]."""
-    fraction: float = 0.0
-    """Largest residual as a share of the inputs' limits; if 0, what follows from `reach`."""
-    time_constants: tuple[float, ...] = (0.1, 0.4, 1.5, 5.0)
-    """Time constants of the filters in the policy's memory [s]."""
-    smoothing: float = 0.5
-    """Share of the way to its aim that the policy's action goes in one control period."""
-    every: int = 5
-    """Control periods from one decision to the next."""
-    timestep: float = 5e-3
-    """Time step of the simulation in training [s]; policies are judged with the environment's."""
-    imitation: float = 0.5
-    """Share of the budget in which the policy learns from the teacher, before PPO."""
-    lessons: int = 40
-    """Updates whose advice of the teacher is remembered."""
-    decisions: int = 64
-    """Decisions in each simulation between two updates."""
-    batch: int = 512
-    """Samples for one gradient."""
-    epochs: int = 5
-    """Passes of PPO over the samples of one update."""
-    gradients: int = 200
-    """Gradients of one update of imitation."""
-    imitation_rate: float = 1e-3
-    """Learning rate of imitation."""
-    learning_rate: float = 3e-4
-    """Learning rate of PPO at its start; it falls linearly to a tenth."""
-    discount: float = 0.97
-    """Discount of the return for one decision."""
-    trace: float = 0.95
-    """lambda of the generalised advantage estimate."""
-    divergence: float = 0.03
-    """PPO ends an update early where the policy has changed by 1.5 times this divergence."""
-    sharpness: float = 2.0
-    """Distance at which the reward is 0, in tracking errors of feedforward + PD."""
-    deviation: float = 0.2
-    """Standard deviation of the exploration at the start, as a share of the residual."""
+    episodes: int = 48
+    """Episodes of an iteration, each along a random move of its own."""
+    holds: tuple[float, float] = (2.0, 12.0)
+    """How long these last after arrival [s]."""
+    width: int = 128
+    """Width of the network's layers."""
+    batch: int = 1024
+    """Lessons of an update."""
+    updates: int = 400
+    """Updates after an iteration; twice as many after the first."""
+    last_updates: int = 3000
+    """Updates at the end, with a rate that falls to nothing."""
+    rate: float = 1.5e-3
+    """Learning rate of Adam."""
+    kept: float = 0.5
+    """Share of what was seen that becomes lessons: neighbouring periods tell the same."""
+    taught: tuple[float, ...] = (0.5, 0.5)
+    """Shares of the episodes that the teacher drives in the first iterations."""
+    restless: float = 0.045
+    """Step of the exploration's random walk, in units of the action."""
+    reach: float = 6.0
+    """Largest action, in units: root mean squares of what the teacher adds."""
+    least_unit: float = 0.005
+    """Smallest unit, over a drive's limit."""
+    change: float = 0.003
+    """Of a command in one period, over the limits, that costs the teacher as much as a centimetre:
+    a stiffer teacher asks more than a policy can know, and what it believes wrongly makes swing."""
+    delay: int = 1
+    """Delay with which the teacher counts [periods]: a policy cannot tell one from another."""
+    gate: tuple[float, float, float] = (0.05, 0.3, 10.0)
+    """Evidence at which the residual begins and counts whole, and its time constant [s]."""
+    time_constants: tuple[float, ...] = TIME_CONSTANTS
+    """Time constants of the features' filters [s]."""
+    contrast: tuple[float, float] = (0.3, 3.0)
+    """Bounds of the weights of lessons, over their mean."""

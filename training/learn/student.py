@@ -1,61 +1,123 @@
-"""PPO that is taught first: imitation of the teacher, then reinforcement learning.
+"""The network of a policy in torch, and how it is fitted to lessons."""
 
-While `taught`, the policy acts as it likes, with PPO's exploration, and an update fits its actions
-to what the teacher would have done in the same places (DAgger, Ross et al. 2011); the critic
-learns from the returns, so that PPO finds it ready.
-"""
-
-from collections import deque
-from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 import torch
-from stable_baselines3 import PPO
-from torch.nn.functional import mse_loss
+from torch import nn
 
-from .settings import Settings
+from ...models.types import Array
+from ..network import CLIP, LAYERS, Network
+
+MOST = 800_000
+"""Lessons that are kept; beyond, new ones take the places of old ones at random."""
+CLIPPED = 5.0
+"""Largest norm of a gradient."""
+AUXILIARY = 0.1
+"""Weight of the heads in the loss."""
 
 
-class Student(PPO):
-    """PPO on an `Adapter` that offers lessons."""
+class Student(nn.Module):
+    """`Network`, to be taught: it begins without any action."""
 
-    def __init__(self, *args: Any, settings: Settings, taught: Callable[[], bool], **kwargs: Any):
-        self.settings, self.taught = settings, taught
-        self.lessons: deque[tuple[torch.Tensor, torch.Tensor]] = deque(maxlen=settings.lessons)
-        super().__init__(*args, **kwargs)
+    def __init__(self, features: int, actions: int, heads: int, width: int) -> None:
+        super().__init__()
+        self.first, self.second = nn.Linear(features, width), nn.Linear(width, width)
+        self.heads, self.mixed = nn.Linear(width, heads), nn.Linear(width + heads, width)
+        self.action, self.skip = nn.Linear(width, actions), nn.Linear(features, actions)
+        for layer in (self.action, self.skip):
+            nn.init.zeros_(layer.weight)
+            nn.init.zeros_(layer.bias)
 
-    def train(self) -> None:
-        """Update from the last rollout."""
-        adapter: Any = self.env
-        advice, adapter.lessons = np.array(adapter.lessons), []
-        if self.taught():
-            self._imitate(advice)
-        else:
-            self.lessons.clear()
-            super().train()
+    def forward(self, x: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """Actions and heads for normalised features."""
+        silu = nn.functional.silu
+        hidden = silu(self.second(silu(self.first(x))))
+        heads = self.heads(hidden)
+        mixed = silu(self.mixed(torch.cat((hidden, heads), dim=-1)))
+        return self.skip(x) + self.action(mixed), heads
 
-    def _imitate(self, advice: np.ndarray) -> None:
-        """Fit actor and critic; `advice` has the shape (decisions, n, drives)."""
-        buffer, network = self.rollout_buffer, self.policy
-        seen = torch.as_tensor(buffer.observations.reshape(-1, buffer.observations.shape[-1]))
-        returns = torch.as_tensor(buffer.returns.reshape(-1))
-        target = torch.as_tensor(advice.reshape(len(seen), -1), dtype=torch.float32)
-        self.lessons.append((seen, target))
-        self._update_learning_rate(network.optimizer)
-        parts: Any = network.mlp_extractor
-        head: Any = network.action_net
-        network.set_training_mode(True)
-        for _ in range(self.settings.gradients):
-            places, answers = self.lessons[int(torch.randint(len(self.lessons), ()))]
-            pick = torch.randint(len(places), (self.batch_size,))
-            error = mse_loss(head(parts.forward_actor(places[pick])), answers[pick])
-            pick = torch.randint(len(seen), (self.batch_size,))
-            value = network.value_net(parts.forward_critic(seen[pick]))[:, 0]
-            loss = error + self.vf_coef * mse_loss(value, returns[pick])
-            network.optimizer.zero_grad()
-            loss.backward()  # type: ignore[no-untyped-call]
-            torch.nn.utils.clip_grad_norm_(network.parameters(), self.max_grad_norm)
-            network.optimizer.step()
-        self.logger.record("train/imitation_loss", float(error.detach()))
-        self.logger.record("train/value_loss", float(loss.detach() - error.detach()))
+    def export(self, mean: Array, scale: Array) -> Network:
+        """The same network in NumPy."""
+        numbers = {
+            name: tuple(
+                part.detach().numpy().astype(np.float64)
+                for part in getattr(self, name).parameters()
+            )
+            for name in LAYERS
+        }
+        return Network(
+            {name: weight for name, (weight, _) in numbers.items()},
+            {name: bias for name, (_, bias) in numbers.items()},
+            mean,
+            scale,
+        )
+
+
+@dataclass
+class Lessons:
+    """What was seen, and what the teacher would have done: normalised features (N, features),
+    actions in units (N, drives), heads (N, heads), and roots of the weights of actions' errors,
+    (N, drives, drives).
+    """
+
+    seed: int = 0
+    parts: tuple[torch.Tensor, ...] = ()
+    """The four arrays."""
+    _rng: np.random.Generator = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._rng = np.random.default_rng(self.seed)
+
+    def __len__(self) -> int:
+        return len(self.parts[0]) if self.parts else 0
+
+    def add(self, *arrays: Array) -> None:
+        """Take in as many lessons as the arrays have rows."""
+        new = [torch.from_numpy(np.asarray(array, np.float32)) for array in arrays]
+        both = (
+            [torch.cat(pair) for pair in zip(self.parts, new, strict=True)] if self.parts else new
+        )
+        if len(both[0]) > MOST:
+            kept = torch.from_numpy(self._rng.permutation(len(both[0]))[:MOST])
+            both = [part[kept] for part in both]
+        self.parts = tuple(both)
+
+
+class School:
+    """Fits a student to lessons with Adam."""
+
+    def __init__(self, student: Student, batch: int = 1024, rate: float = 1.5e-3) -> None:
+        self.student, self.batch, self.rate = student, batch, rate
+        self.optimiser = torch.optim.Adam(student.parameters(), rate)
+
+    def fit(self, lessons: Lessons, updates: int, first: float, last: float) -> tuple[float, float]:
+        """So many updates with a rate that falls from one share of `rate` to another as a cosine.
+
+        Returns the mean losses of actions and of heads.
+        """
+        total = np.zeros(2)
+        for k in range(updates):
+            fall = 0.5 * (1.0 + np.cos(np.pi * k / updates))
+            for group in self.optimiser.param_groups:
+                group["lr"] = self.rate * (last + (first - last) * fall)
+            pick = torch.randint(len(lessons), (self.batch,))
+            total += self._update(*(part[pick] for part in lessons.parts))
+        return float(total[0] / updates), float(total[1] / updates)
+
+    def _update(
+        self, seen: torch.Tensor, wanted: torch.Tensor, truth: torch.Tensor, roots: torch.Tensor
+    ) -> tuple[float, float]:
+        action, heads = self.student(seen)
+        missed = torch.matmul(roots, (action - wanted)[..., None])[..., 0]
+        loss, aside = missed.square().mean(), (heads - truth).square().mean()
+        self.optimiser.zero_grad()
+        (loss + AUXILIARY * aside).backward()
+        nn.utils.clip_grad_norm_(self.student.parameters(), CLIPPED)
+        self.optimiser.step()
+        return float(loss.detach()), float(aside.detach())
+
+
+def normalised(features: Array, mean: Array, scale: Array) -> Array:
+    """Features as the network takes them."""
+    return np.clip((features - mean) / scale, -CLIP, CLIP).astype(np.float32)

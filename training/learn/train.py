@@ -1,9 +1,9 @@
-"""`flatrig train`: a residual policy on top of feedforward + PD, with PPO from stable-baselines3.
+"""`flatrig train`: a residual policy on top of feedforward, PD and the estimated mass.
 
-    flatrig train overhead --seed 0 --minutes 10
+    flatrig train overhead --sensors sway --minutes 10
 
 The result folder holds config.json (what exactly ran), progress.csv (the learning), evaluation.csv
-(tracking error over scenarios it does not train on), checkpoint.* for `--resume`, and the policy
+(tracking errors along moves that it does not train on), checkpoint.* for `--resume`, and the policy
 with the lowest error in these evaluations as policy.safetensors and policy.json.
 """
 
@@ -23,14 +23,24 @@ from .run_folder import check_run, cut_tables, make_run_folder, read_config, wri
 from .settings import Settings
 
 if TYPE_CHECKING:
-    from .ppo import Training
+    from .loop import Run
 
 
 def main(command: options.Train) -> int:
-    """Train, with a result folder."""
+    """Train, with a result folder for each seed."""
     check(command)
-    check_extra()
-    folder = Path(command.output or f"runs/{command.label()}-seed{command.seed}")
+    check_extra(command)
+    if command.seeds > 1 and (command.output or command.resume):
+        raise OptionError("--seeds names its own folders and begins anew: no --output, no --resume")
+    for seed in range(command.seed, command.seed + command.seeds):
+        if status := _train(replace(command, seed=seed)):
+            return status
+    return DONE
+
+
+def _train(command: options.Train) -> int:
+    """One run."""
+    folder = Path(command.output or f"runs/{command.label()}-{command.sensors}-seed{command.seed}")
     check_run(folder, resume=command.resume)
     if command.resume:
         with locked(folder):
@@ -40,37 +50,38 @@ def main(command: options.Train) -> int:
 
 def _begin(folder: Path, command: options.Train) -> int:
     """Train from nothing, in a folder that is made once the run is known to be possible."""
-    settings = Settings(fraction=command.fraction) if command.fraction else Settings()
-    if command.minutes is None and command.steps is None:
+    settings = Settings(episodes=command.episodes)
+    if command.minutes is None and command.iterations is None:
         command = replace(command, minutes=options.MINUTES)
     if status := refuse(INFEASIBLE, problems_of(*command.target())):
         return status
-    training = _training(folder, command, settings)
+    run = _run(folder, command, settings)
     with locked(folder):
         check_run(folder, resume=False)
         make_run_folder(folder)
-        write_config(folder, command, settings, dumps(*command.target()), {}, training.steps)
-        training.run()
+        write_config(folder, command, settings, dumps(*command.target()), {}, 0)
+        run.run()
     return DONE
 
 
 def _go_on(folder: Path, command: options.Train) -> int:
     """Train from the checkpoint, and forget what was noted after it."""
     command, settings, config = read_config(folder, command)
-    check(replace(command, steps=command.steps or None))
+    check(command)
     if status := refuse(INFEASIBLE, problems_of(*command.target())):
         return status
-    training = _training(folder, command, settings)
-    cut_tables(folder, training.steps)
-    write_config(folder, command, settings, dumps(*command.target()), config, training.steps)
-    training.run()
+    run = _run(folder, command, settings)
+    iteration = run.training.iteration
+    cut_tables(folder, iteration)
+    write_config(folder, command, settings, dumps(*command.target()), config, iteration)
+    run.run()
     return DONE
 
 
-def _training(folder: Path, command: options.Train, settings: Settings) -> "Training":
-    from .ppo import Training  # loads torch
+def _run(folder: Path, command: options.Train, settings: Settings) -> "Run":
+    from .loop import Run  # loads torch
 
-    return Training(*command.target(), command, settings, folder, console())
+    return Run(*command.target(), command, settings, folder, console())
 
 
 def check(command: options.Train) -> None:
@@ -81,29 +92,23 @@ def check(command: options.Train) -> None:
     OptionError
         Naming the option.
     """
-    for name in ("minutes", "steps", "envs", "threads", "evaluations"):
+    for name in ("minutes", "iterations", "episodes", "threads", "every", "seeds"):
         value = getattr(command, name)
         if value is not None:
             options.check_number(f"--{name}", value)
     if not 0 <= command.seed < 2**32:
         raise OptionError(f"--seed is {command.seed}, it must be in 0 .. {2**32 - 1}")
-    options.check_number("--fraction", command.fraction, open_end=False)
-    if command.fraction > 1:
-        raise OptionError(f"--fraction is {command.fraction:g}, it must be <= 1")
 
 
-def check_extra() -> None:
+def check_extra(command: options.Train) -> None:
     """Refuse to train without the packages for it.
 
     Raises
     ------
     OptionError
-        Naming the extra to install.
+        Naming what to install.
     """
-    missing = [
-        name for name in ("torch", "stable_baselines3") if not importlib.util.find_spec(name)
-    ]
-    if missing:
-        raise OptionError(
-            f"training needs {' and '.join(missing)}: pip install 'flatrig[train]' (or make train)"
-        )
+    if not importlib.util.find_spec("torch"):
+        raise OptionError("training needs torch: pip install 'flatrig[train]' (or make train)")
+    if command.tensorboard and not importlib.util.find_spec("tensorboard"):
+        raise OptionError("--tensorboard needs the package tensorboard: pip install tensorboard")

@@ -1,0 +1,147 @@
+"""What a residual policy looks at: signals that sensors, drives and plan give, and their past.
+
+    features = Features(crane_signals(task, mass), PERIOD)
+    x = features.look(task.steps == 0)              # (n, features)
+
+No signal tells the time: what holds at one instant of one move holds at another of another move.
+A load that is heavier than thought, friction and wind show in the recent past, not in one reading
+of the encoders, so that signals which say something about them are also seen through first-order
+low-pass filters, whose time constants reach from a few control periods to beyond a swing:
+
+    x = (s, slow_1(r), slow_2(r), ...)      with all signals s and the remembered ones r
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..envs.crane.mass_estimate import MassLaw
+from ..envs.crane.task import CraneTask
+from ..envs.episodes import AnyTask
+from ..models.types import Array, Mask
+
+TIME_CONSTANTS = (0.06, 0.15, 0.4, 1.0, 2.5, 6.0)
+"""Time constants of the filters [s]."""
+LATE = 2
+"""Control periods that the feedforward is looked ahead: the longest standard delay."""
+CREEP = 0.05
+"""Share of a drive's highest planned speed below which its planned direction counts less."""
+
+
+class Signal(NamedTuple):
+    """Some entries of the features."""
+
+    names: Sequence[str]
+    """Their names."""
+    read: Callable[[], Array]
+    """Their present values, (n, entries)."""
+    remembered: bool = False
+    """Whether they also go through the filters."""
+
+
+class Features:
+    """The features of n simulations, with their memory.
+
+    Parameters
+    ----------
+    signals
+        What is looked at.
+    period
+        Between two looks [s].
+    time_constants
+        Of the filters [s].
+    """
+
+    def __init__(
+        self,
+        signals: Sequence[Signal],
+        period: float,
+        time_constants: Sequence[float] = TIME_CONSTANTS,
+    ) -> None:
+        self._signals = signals
+        self._shares = -np.expm1(-period / np.asarray(time_constants))[:, None]
+        self._slow = np.zeros((0, 0, 0))
+        now = [name for signal in signals for name in signal.names]
+        kept = [name for signal in signals if signal.remembered for name in signal.names]
+        self.names = (*now, *(f"{name} ~{tau:g} s" for tau in time_constants for name in kept))
+        """Names of all features."""
+
+    def look(self, fresh: Mask) -> Array:
+        """Take the signals in, and forget the past of simulations whose episode is `fresh`."""
+        now = [signal.read() for signal in self._signals]
+        kept = [
+            values for values, signal in zip(now, self._signals, strict=True) if signal.remembered
+        ]
+        present = np.concatenate(kept, axis=1)[:, None]
+        if len(self._slow) != len(present):
+            self._slow = np.repeat(present, len(self._shares), axis=1)
+        self._slow += self._shares * (present - self._slow)
+        if fresh.any():
+            self._slow[fresh] = present[fresh]
+        return np.concatenate((*now, self._slow.reshape(len(present), -1)), axis=1)
+
+
+def drive_signals(task: AnyTask, home: Array, speeds: Array) -> list[Signal]:
+    """What encoders, commands and plan say, of cranes and hands.
+
+    Positions count from `home`, efforts are shares of the drives' limits, and `speeds` the highest
+    planned ones; (drives,) each.
+    """
+    rows, encoders, drives = task.rows, task.encoders, len(task.limits)
+    asked = np.zeros((task.num, drives))  # the feedforward of the period that has ended
+
+    def excess() -> Array:
+        present = rows.parts["feedforward"]
+        over = np.where((task.steps == 0)[:, None], 0.0, task.commands - asked)
+        asked[...] = present
+        return over
+
+    def named(what: str) -> list[str]:
+        return [f"{name} {what}" for name in task.action_names]
+
+    def planned() -> Array:
+        return rows.parts["drives"][:, drives:]
+
+    def dynamic() -> Array:
+        return np.asarray(rows.parts["feedforward"] - rows.parts["holding"])
+
+    def ahead() -> Array:
+        return np.asarray(rows.later("feedforward", LATE) - rows.parts["feedforward"])
+
+    previews = rows.parts["preview"].shape[1] // drives
+    return [
+        Signal(named("error"), lambda: encoders.errors[:, :drives], True),
+        Signal(named("rate error"), lambda: encoders.errors[:, drives:], True),
+        Signal(named("excess command"), excess, True),
+        Signal(named("inertial effort"), dynamic, True),
+        Signal(named("direction"), lambda: np.tanh(planned() / (CREEP * speeds)), True),
+        Signal(named("position"), lambda: encoders.positions - home),
+        Signal(named("rate"), lambda: encoders.rates),
+        Signal(named("planned rate"), planned),
+        Signal(named("effort to come"), ahead),
+        Signal(
+            [name for k in range(previews) for name in named(f"preview {k}")],
+            lambda: rows.parts["preview"],
+        ),
+    ]
+
+
+def crane_signals(task: CraneTask, mass: MassLaw, speeds: Array) -> list[Signal]:
+    """Those of a crane: also the estimated mass, and what its load sensors measure, if any."""
+    names = task.action_names
+    signals = [
+        *drive_signals(task, task.plant.drives_at(task.plant.home), speeds),
+        Signal(["mass"], lambda: mass.estimate[:, None] - 1.0),
+        Signal([f"{name} per mass" for name in names], lambda: mass.sensitivity),
+    ]
+    loads = task.loads
+    if loads is not None:
+        weight = task.rig.weight
+        outputs, ropes = task.rig.outputs, [rope.name for rope in task.rig.ropes]
+        signals += [
+            Signal([f"{name} error" for name in outputs], lambda: loads.errors, True),
+            Signal([f"{name} rate error" for name in outputs], lambda: loads.rate_errors, True),
+            Signal([f"{rope} tension" for rope in ropes], lambda: loads.tensions / weight, True),
+        ]
+    return signals
