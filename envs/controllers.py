@@ -31,27 +31,38 @@ from .laws import AnyEnv, Law, laws_of, refuse_below, task_of, wrap
 
 
 class PDLaw(Law):
-    """u = holding + k (reference - measured) + d (reference rate - measured rate)."""
+    """u = holding + k (reference - measured) + d (reference rate - measured rate).
+
+    The gains are one number for each drive, or matrices that change along plans where there is a
+    `schedule`.
+    """
 
     name = "PD"
 
     def __init__(self, task: AnyTask, gains: Gains, moving: bool, hold: bool) -> None:
         self._task, self.moving, self._hold = task, moving, hold
         self.gains = np.concatenate((gains.stiffness / task.limits, gains.damping / task.limits))
+        self.schedule = gains.schedule
 
     def apply(self, actions: Array) -> Array:
         """Add the feedback."""
+        inputs = self.feedback()
+        inputs += actions
+        if self._hold:
+            inputs += self._equilibrium()
+        return inputs
+
+    def feedback(self) -> Array:
+        """What position and rate errors alone ask for, (n, drives) over the limits."""
         encoders, drives = self._task.encoders, len(self._task.limits)
+        if self.schedule is not None:
+            return np.asarray(np.matvec(self.schedule.now(), encoders.errors))
         if self.moving:
             feedback = encoders.errors * self.gains
         else:
             feedback = encoders.measured * -self.gains
             feedback[:, :drives] += self._task.rows.goal * self.gains[:drives]
-        inputs = feedback[:, :drives] + feedback[:, drives:]
-        inputs += actions
-        if self._hold:
-            inputs += self._equilibrium()
-        return np.asarray(inputs)
+        return np.asarray(feedback[:, :drives] + feedback[:, drives:])
 
     def holding(self) -> Array | None:
         """Inputs of the equilibrium, along the reference or at its goal (K 3.62)."""
@@ -112,7 +123,9 @@ def PD(
     stiffness, damping
         For each drive, per metre, or radian of a turning frame: [N/m, N s/m] for a trolley,
         [N m/m, N m s/m], torque per metre of rope, for a winch, [N m/rad, N m s/rad] for a
-        turning frame.  By default they follow from the rig, see `flatrig.envs.crane.tuning`.
+        turning frame.  By default they follow from the rig and, towards a moving reference, from
+        its plan, and drives help each other, see `flatrig.envs.crane.tuning`; where one of the two
+        is given, the other is of each drive alone at home.
 
     Raises
     ------
@@ -130,7 +143,10 @@ def PD(
         if value is not None
     }
     holds_below = any(law.holding() is not None for law in laws_of(env))
-    law = PDLaw(task, task.gains(track)._replace(**own), track == "moving", not holds_below)
+    gains = task.gains(track)
+    if own:
+        gains = gains._replace(**own, schedule=None)
+    law = PDLaw(task, gains, track == "moving", not holds_below)
     return wrap(env, law, track=track, **{name: value.tolist() for name, value in own.items()})
 
 

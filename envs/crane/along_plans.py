@@ -1,13 +1,14 @@
 """Numbers that belong to a plan, looked up at the present steps of n simulations."""
 
 from collections.abc import Callable
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from ...models.types import Array
+from ..episodes import Task
 from .plan import CranePlan
-from .task import CraneTask
 
 
 class AlongPlans:
@@ -21,7 +22,7 @@ class AlongPlans:
         Gives the numbers of a plan, shape (steps, ...); the last ones hold on.
     """
 
-    def __init__(self, task: CraneTask, table: Callable[[CranePlan], Array]) -> None:
+    def __init__(self, task: Task[CranePlan, Any], table: Callable[[CranePlan], Array]) -> None:
         self._task, self._table = task, table
         self._known: WeakKeyDictionary[CranePlan, Array] = WeakKeyDictionary()
         self._plans: list[CranePlan] = []

@@ -9,12 +9,12 @@ space).  If the crane carries m and is fed for e, the feedback P ends up with wh
 
     de/dt = rate <P, s> / <s, s>,        then d(m - e)/dt = -rate (m - e) on every rig.
 
-Inputs are weighed by the compliance of the feedback, <a, b> = sum a_i b_i / k_i as forces along the
-drives' coordinates: the estimate takes the energy out of the springs that feedback puts in the
-drives' places.  Only so is it integral action with a symmetric gain, rate s s^T / <s, s>, on
-positions, which a plant that gives back no more energy than it gets tolerates however its drives
-are coupled.  Weighed otherwise, as by the winches' inputs alone, it is unstable where two ropes
-carry one trolley.
+Inputs are weighed by the compliance of the feedback, <a, b> = a^T K^-1 b with its stiffness K and
+forces along the drives' coordinates: the estimate takes the energy out of the springs that feedback
+puts in the drives' places.  Only so is it integral action with a symmetric gain on positions,
+rate s s^T / <s, s>, which a plant that gives back no more energy than it gets tolerates however its
+drives are coupled.  Weighed otherwise, as by the winches' inputs alone, it is unstable where two
+ropes carry one trolley.
 
 What comes from above counts as input that moves the load, what stands below as known: so a
 `FrictionCompensation` belongs below, and a `Residual` on top does not spoil the estimate.
@@ -25,18 +25,18 @@ Limits: friction and wind are taken for mass as far as they point along s: a win
 
 import math
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from ...models.errors import OptionError
-from ...models.rig.rig import Rope
 from ...models.types import Array
 from ...models.values import bounded
 from ..controllers import FeedforwardLaw, PDLaw
 from ..laws import AnyEnv, Law, laws_of, refuse_below, task_of, wrap
+from .along_plans import AlongPlans
 from .plan import CranePlan, feedforward_with
 from .task import CraneTask
+from .tuning import forces_of
 
 RATE = 1.0
 """How fast the error of the estimate decays by default [1/s]: slower than the feedback of winches,
@@ -53,65 +53,40 @@ class MassLaw(Law):
     name = "MassEstimate"
 
     def __init__(self, task: CraneTask, feedback: PDLaw, rate: float) -> None:
-        self._task, self._gains = task, feedback.gains
+        self._task, self._feedback = task, feedback
         self._share = 1.0 - math.exp(-rate * task.period)
-        self._weights = _compliances(task, feedback)
-        self._slopes = Slopes(task)
+        self._tables = AlongPlans(task, self._table)
         self.estimate = np.ones(task.num)
         """Mass of the loads over the rig's, shape (n,)."""
 
     @property
     def sensitivity(self) -> Array:
         """Slope of the feedforward over the limits in the mass ratio, now, (n, drives)."""
-        return self._slopes.now()
+        return np.asarray(self._tables.now()[:, 0])
 
     def apply(self, actions: Array) -> Array:
         """Add what the load takes more than the rig's."""
-        task, drives = self._task, len(self._weights)
-        slopes = self._slopes.now()
-        feedback = task.encoders.errors * self._gains
-        found = np.clip(actions + feedback[:, :drives] + feedback[:, drives:], -1.0, 1.0)
-        along = slopes * self._weights
-        change = (found * along).sum(axis=1) / (slopes * along).sum(axis=1)
-        self.estimate[task.steps == 0] = 1.0
-        self.estimate += self._share * change
+        slopes, along = self._tables.now().swapaxes(0, 1)
+        found = np.clip(actions + self._feedback.feedback(), -1.0, 1.0)
+        self.estimate[self._task.steps == 0] = 1.0
+        self.estimate += self._share * (found * along).sum(axis=1)
         np.clip(self.estimate, 1.0 - FARTHEST, 1.0 + FARTHEST, out=self.estimate)
         return np.asarray(actions + (self.estimate - 1.0)[:, None] * slopes)
 
-
-class Slopes:
-    """d feedforward / d mass ratio along the plans of n simulations."""
-
-    def __init__(self, task: CraneTask) -> None:
-        self._task = task
-        self._known: WeakKeyDictionary[CranePlan, Array] = WeakKeyDictionary()
-
-    def now(self) -> Array:
-        """Over the limits, at the present steps, shape (n, drives)."""
-        task = self._task
-        if task.planner.fixed is not None and all(p is task.planner.fixed for p in task.plans):
-            return self._of(task.planner.fixed)[np.minimum(task.steps, task.planner.fixed.steps)]
-        return np.array([
-            self._of(plan)[min(step, plan.steps)]
-            for plan, step in zip(task.plans, task.steps.tolist(), strict=True)
-        ])  # fmt: skip
-
-    def _of(self, plan: CranePlan) -> Array:
-        """Along a plan, shape (steps + 1, drives)."""
-        if plan not in self._known:
-            heavier = feedforward_with(self._task.rig, plan, 1.0 + SPAN)
-            self._known[plan] = (heavier - feedforward_with(self._task.rig, plan, 1.0)) / SPAN
-        return self._known[plan]
-
-
-def _compliances(task: CraneTask, feedback: PDLaw) -> Array:
-    """Weight of each drive's input over its limit: energy in its spring, shape (drives,)."""
-    driven = map(task.rig.driven, task.rig.drives)
-    radii = np.array([part.drum_radius if isinstance(part, Rope) else 1.0 for part in driven])
-    stiffness = feedback.gains[: len(radii)] * radii
-    if not (stiffness > 0).all():
-        raise OptionError("MassEstimate needs a PD whose stiffness is > 0 for every drive")
-    return np.asarray(task.limits / stiffness)
+    def _table(self, plan: CranePlan) -> Array:
+        """Along a plan s, and what gives <a, s> / <s, s> of inputs a, (steps + 1, 2, drives)."""
+        task, drives = self._task, len(self._task.limits)
+        own, heavier = (feedforward_with(task.rig, plan, mass) for mass in (1.0, 1.0 + SPAN))
+        slopes = (heavier - own) / SPAN
+        if self._feedback.schedule is None:
+            stiffness = np.diag(self._feedback.gains[:drives])[None]
+        else:
+            stiffness = self._feedback.schedule.of(plan)[:, :, :drives]
+        last = len(stiffness) - 1
+        stiffness = stiffness[np.minimum(np.arange(len(slopes)), last)]
+        # Where the feedback's springs yield to s, and the work of forces along it.
+        along = np.linalg.solve(stiffness, slopes[..., None])[..., 0] * forces_of(task.plant)
+        return np.stack((slopes, along / (slopes * along).sum(axis=1, keepdims=True)), axis=1)
 
 
 def MassEstimate(env: AnyEnv, *, rate: float = RATE) -> Any:
@@ -141,5 +116,7 @@ def MassEstimate(env: AnyEnv, *, rate: float = RATE) -> Any:
             "MassEstimate needs feedforward and PD towards the moving reference below; "
             "take MassEstimate(Feedforward(PD(env)))"
         )
+    if feedback.schedule is None and not (feedback.gains[: len(task.limits)] > 0).all():
+        raise OptionError("MassEstimate needs a PD whose stiffness is > 0 for every drive")
     rate = bounded("rate", rate, above=0, unit="1/s")
     return wrap(env, MassLaw(task, feedback, rate), rate=rate)

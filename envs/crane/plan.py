@@ -24,6 +24,8 @@ class CranePlan(Plan):
     """The path."""
     period: float
     """Of control [s]."""
+    course: dict[str, Array]
+    """Coordinates at every step until arrival [m, rad], (steps of the move + 1,) each."""
 
 
 def layout_of(rig: Rig) -> Layout:
@@ -64,9 +66,11 @@ def make_plan(rig: Rig, reference: Reference, period: float, hold: float) -> Cra
         feedforward=motion.inputs[len(instants) :] / limits,
         holding=first + arrived * (last - first),
     )
-    start = dict(zip(motion.coordinate_names, motion.positions[0].tolist(), strict=True))
+    moving = motion.positions[: _moving(reference, period, steps)]
+    course = dict(zip(motion.coordinate_names, moving.T.copy(), strict=True))
+    start = {name: float(values[0]) for name, values in course.items()}
     goal = motion.drive_positions[len(instants) - 1].copy()
-    return CranePlan(rows, first * limits, goal, last, start, reference, period)
+    return CranePlan(rows, first * limits, goal, last, start, reference, period, course)
 
 
 def feedforward_with(rig: Rig, plan: CranePlan, load_mass: float) -> Array:
@@ -82,11 +86,16 @@ def feedforward_with(rig: Rig, plan: CranePlan, load_mass: float) -> Array:
     PathError
         The rig with such a load cannot follow the plan's path.
     """
-    moving = min(plan.steps, math.ceil(plan.reference.duration / plan.period)) + 1
+    moving = _moving(plan.reference, plan.period, plan.steps)
     instants = plan.period * (np.arange(moving) + 0.5)
     inputs = feedforward.solve(reloaded(rig, load_mass), plan.reference, instants).inputs
     limits = np.array([drive.limit for drive in rig.drives])
     return np.pad(inputs / limits, ((0, plan.steps + 1 - moving), (0, 0)), mode="edge")
+
+
+def _moving(reference: Reference, period: float, steps: int) -> int:
+    """How many rows of a plan are before arrival, the first at rest included."""
+    return min(steps, math.ceil(reference.duration / period)) + 1
 
 
 def _at_rest(rig: Rig, reference: Reference, limits: Array) -> tuple[Array, Array]:

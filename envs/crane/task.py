@@ -25,6 +25,7 @@ from ..common import Ids, none_of
 from ..episodes import Task
 from ..gains import Gains, Track
 from ..sensing import Observation
+from .along_plans import AlongPlans
 from .disturbances import Disturbances, Scenario
 from .load_sensors import SWAY, LoadSensors, SwaySensors
 from .observation import observation_of
@@ -32,7 +33,7 @@ from .outputs import levers
 from .plan import CranePlan, layout_of
 from .plant import Plant
 from .references import CranePlanner, ReferenceOption, rig_and_move
-from .tuning import gains_of
+from .tuning import gains_along, gains_of
 
 
 class CraneTask(Task[CranePlan, Scenario]):
@@ -131,7 +132,10 @@ class CraneTask(Task[CranePlan, Scenario]):
 
     def gains(self, track: Track = "moving") -> Gains:
         """Gains of a PD controller, see `flatrig.envs.crane.tuning`."""
-        return gains_of(self.plant, track)
+        gains = gains_of(self.plant, track)
+        if track == "set point":
+            return gains
+        return gains._replace(schedule=AlongPlans(self, lambda plan: gains_along(self.plant, plan)))
 
     def looks(self) -> mujoco.MjModel:
         """The model with everything that is drawn."""

@@ -1,75 +1,124 @@
 """Gains of the PD controller that follow from the rig.
 
-The inertia m_i that drive i moves is the diagonal of (B^T M^-1 B)^-1 at home, with the mass matrix
-M and the drives' directions B: what the drive has to accelerate there while the other drives hold
-their coordinates and the load may swing.  With the frequency omega and the damping ratio zeta of
-`TUNING`, as if the drive moved that inertia alone,
+What drives feel is the inertia C = (B^T M^-1 B)^-1 of their coordinates, with the mass matrix M of
+all joints and the drives' directions B, while the load may swing (Khatib, IEEE J. Robotics and
+Automation 3, 1987, (51)).  A trolley feels its own mass where the rope hangs straight, and more
+where it slants; the two ropes of a roped trolley feel the load together, and only the trolley and
+their drums against each other.  Towards the moving reference, gains are forces along these
+coordinates that give every drive a frequency omega and a damping ratio zeta of `TUNING`:
 
-    stiffness k_i = m_i omega^2        damping d_i = 2 zeta omega m_i
+    stiffness K_ij = omega_i C_ij omega_j
+    damping   D_ij = 2 sqrt(zeta_i omega_i) C_ij sqrt(zeta_j omega_j)
 
-A trolley's inertia is its own, since the load below it swings: 10 kg in the overhead crane.
+with C where the plan has the crane to be.  So whatever motion drives make together has about these
+frequencies: the hard directions get much force and the easy ones little, and nowhere does a stiff
+drive meet the small inertia of another's motion.  Both matrices are symmetric and positive.
 
-Drives that move one thing together, as the two ropes of a roped trolley do, have common motions in
-which far less inertia meets the same stiffness.  Where the quickest of them would have more than
-`COMMON` times the squared frequency of a drive alone, all gains are made that much softer:
-lambda is the smallest eigenvalue of the drives' inertia matrix with its diagonal scaled to 1, and
-gains are multiplied by min(1, `COMMON` lambda).
+A load that is 15 % heavier than the rig's then pulls no drive further than 0.15 g / omega^2, 20 mm
+for the winches' 8.6 rad/s.  This stands inputs that come two periods of 20 ms late, as in scenarios
+of `Disturbances.standard`.
 
-The numbers were chosen once, for 50 Hz, on scenarios of `Disturbances.standard`, whose inputs come
-up to two periods late: stiffer winches make ropes slack in some of them, softer drives track worse,
-and nothing is left for a third period of delay.  Towards a fixed set point errors are of the size
-of the whole move, and lower frequencies with more damping swing least.
+Towards a fixed set point errors are of the size of the whole move, and lower frequencies with more
+damping swing least.  There, gains are one number for each drive, from the diagonal of C at home.
+Drives that move one thing together have common motions in which far less inertia meets the same
+stiffness.  Where the quickest of them would have more than `COMMON` times the squared frequency of
+a drive alone, all gains are made that much softer: lambda is the smallest eigenvalue of C with its
+diagonal scaled to 1, and gains are multiplied by min(1, `COMMON` lambda).  Then a roped trolley
+that is asked to go 5 m at once keeps its ropes taut.
 """
+
+from typing import Any
 
 import mujoco
 import numpy as np
 
+from ...models.mjcf.rig_state import joint_state
 from ...models.rig.rig import Frame, Rope, Trolley
 from ...models.types import Array
 from ..gains import Gains, Track
+from .plan import CranePlan
 from .plant import Plant
 
 TUNING: dict[Track, dict[type, tuple[float, float]]] = {
-    "moving": {Rope: (5.5, 0.5), Trolley: (10.0, 0.7), Frame: (3.0, 0.7)},
+    "moving": {Rope: (8.6, 0.5), Trolley: (10.0, 0.7), Frame: (3.0, 0.7)},
     "set point": {Rope: (3.0, 1.0), Trolley: (4.0, 2.0), Frame: (1.0, 2.0)},
 }
 """omega [rad/s] and zeta of winches, trolleys and frames."""
 
-COMMON: dict[Track, float] = {"moving": 3.0, "set point": 2.0}
-"""Moving: a rope's damping 2 zeta omega then grows to about a trolley's, which stands two periods
-of delay.  Set point: a roped trolley that is asked to go 5 m at once keeps its ropes taut."""
+COMMON = 2.0
+"""Most that a common motion's squared frequency may be of a drive's alone, at a set point."""
 
 
 def gains_of(plant: Plant, track: Track = "moving") -> Gains:
-    """Gains for the drives of a plant's rig."""
-    kinds = [type(plant.rig.driven(drive)) for drive in plant.rig.drives]
-    frequency, ratio = np.array([TUNING[track][kind] for kind in kinds]).T
-    inertia, quickest = _inertias(plant)
-    inertia *= min(1.0, COMMON[track] * quickest)
+    """Gains of each drive alone at home."""
+    frequency, ratio = _tuning(plant, track)
+    coupled = inertia_matrices(plant, plant.home[None])[0]
+    scale = np.sqrt(np.diag(coupled))
+    inertia = np.diag(coupled) / _gears(plant)
+    if track == "set point":
+        quickest = float(np.linalg.eigvalsh(coupled / np.outer(scale, scale))[0])
+        inertia = inertia * min(1.0, COMMON * quickest)
     return Gains(frequency**2 * inertia, 2.0 * ratio * frequency * inertia)
 
 
-def inertias(plant: Plant) -> Array:
-    """Input per acceleration of each drive's own coordinate at home, (drives,)."""
-    return _inertias(plant)[0]
+def gains_along(plant: Plant, plan: CranePlan) -> Array:
+    """Stiffness and damping side by side at every step of a plan until arrival.
+
+    Returns
+    -------
+    Array
+        Inputs over their limits for each error of a drive's position, then of its rate,
+        shape (steps, drives, 2 drives).
+    """
+    frequency, ratio = _tuning(plant, "moving")
+    coordinates: dict[str, Any] = dict(plan.course)
+    joints = joint_state(plant.rig, plant.model, coordinates).qpos
+    inertia = inertia_matrices(plant, np.asarray(joints))
+    damping = np.sqrt(2.0 * ratio * frequency)
+    factors = (np.outer(frequency, frequency), np.outer(damping, damping))
+    forces = np.concatenate([inertia * factor for factor in factors], axis=2)
+    return np.asarray(forces / forces_of(plant)[:, None])
 
 
-def _inertias(plant: Plant) -> tuple[Array, float]:
-    """The same, and the smallest eigenvalue of their matrix with its diagonal scaled to 1."""
-    model = plant.model
+def inertia_matrices(plant: Plant, joints: Array) -> Array:
+    """Forces along the drives' coordinates per acceleration of these, (N, drives, drives).
+
+    Parameters
+    ----------
+    plant
+        Of the rig.
+    joints
+        Where it is, shape (N, joints).
+    """
+    model, gears = plant.model, _gears(plant)
     data = mujoco.MjData(model)
-    data.qpos[:] = plant.home
-    mujoco.mj_forward(model, data)
-    mass = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, mass)
-    moments = np.zeros((model.nu, model.nv))
-    mujoco.mju_sparse2dense(
-        moments, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind
-    )
+    masses = np.zeros((len(joints), model.nv, model.nv))
+    moments = np.zeros((len(joints), model.nu, model.nv))
+    for mass, moment, position in zip(masses, moments, joints, strict=True):
+        data.qpos[:] = position
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fullM(model, data, mass)
+        mujoco.mju_sparse2dense(
+            moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr,
+            data.moment_colind,
+        )  # fmt: skip
     # A motor's moment is its gear times the gradient of its coordinate.
-    gears = model.actuator_gear[:, 0]
     gradients = moments / gears[:, None]
-    coupled = np.linalg.inv(gradients @ np.linalg.solve(mass, gradients.T))
-    scale = np.sqrt(np.diag(coupled))
-    quickest = float(np.linalg.eigvalsh(coupled / np.outer(scale, scale))[0])
-    return np.asarray(np.diag(coupled) / gears), quickest
+    mobility = gradients @ np.linalg.solve(masses, gradients.swapaxes(1, 2))
+    return np.asarray(np.linalg.inv(mobility))
+
+
+def forces_of(plant: Plant) -> Array:
+    """Force along each drive's coordinate that its whole limit gives, shape (drives,)."""
+    limits: Array = np.array([drive.limit for drive in plant.rig.drives])
+    return _gears(plant) * limits
+
+
+def _tuning(plant: Plant, track: Track) -> tuple[Array, Array]:
+    kinds = [type(plant.rig.driven(drive)) for drive in plant.rig.drives]
+    frequency, ratio = np.array([TUNING[track][kind] for kind in kinds]).T
+    return frequency, ratio
+
+
+def _gears(plant: Plant) -> Array:
+    return np.array(plant.model.actuator_gear[:, 0])

@@ -6,7 +6,6 @@ import pytest
 
 import flatrig.envs as envs
 from flatrig import feedforward, models
-from flatrig.envs.crane.tuning import gains_of, inertias
 from flatrig.envs.laws import task_of
 from flatrig.feedforward import hold
 from flatrig.models.friction import Friction
@@ -163,17 +162,6 @@ def test_pd_gains_have_the_units_they_state():
     assert np.allclose((moved - rest)[0] * task.limits, (30.0, 4.0))
 
 
-def test_default_gains_follow_from_the_rig():
-    """The overhead crane's drives move the trolley, 10 kg, and the load with the winch, 110 kg."""
-    task = task_of(make())
-    assert np.allclose(inertias(task.plant), (10.0, 110.0 * 0.1))
-    heavy = task_of(make(rig=models.overhead_crane(load_mass=200.0, trolley_mass=20.0)))
-    assert np.allclose(inertias(heavy.plant), (20.0, 210.0 * 0.1))
-    assert np.allclose(gains_of(heavy.plant).stiffness[0], 2.0 * gains_of(task.plant).stiffness[0])
-    rotary = task_of(make(ROTARY))
-    assert np.allclose(inertias(rotary.plant), (480.0 + 10.0 * 5.0**2, 10.0, 11.0))
-
-
 def test_a_residual_is_clipped_and_scaled():
     env = envs.Residual(make(), fraction=0.25)
     assert np.allclose(env.law.apply(np.array([[2.0, -0.5]])), [[0.25, -0.125]])
@@ -214,17 +202,6 @@ def test_wrong_options_get_one_line(build, message):
     for env in (make(), gym.make_vec(OVERHEAD, num_envs=2)):
         with pytest.raises(models.OptionError, match=message):
             build(env)
-
-
-def test_drives_of_one_trolley_are_softer_together():
-    """Moved alone, pull and hoist meet 10 + 10 + 100 kg and 10 + 100 kg; 100 kg they share."""
-    task = task_of(make(ROPED))
-    assert np.allclose(inertias(task.plant), (12.0, 11.0))
-    quickest = 1.0 - 100.0 / np.sqrt(120.0 * 110.0)
-    assert np.allclose(
-        gains_of(task.plant).stiffness, 5.5**2 * np.array((12.0, 11.0)) * 3.0 * quickest
-    )
-    assert np.allclose(gains_of(task_of(make(ROTARY)).plant).stiffness[2], 5.5**2 * 11.0)
 
 
 @pytest.mark.parametrize("name", NAMES)
