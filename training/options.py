@@ -66,9 +66,16 @@ class Compare(RigOptions):
     """Set PD, feedforward and residual side by side over many disturbed scenarios."""
 
     scenarios: int = 100
-    """Number of scenarios."""
+    """Number of scenarios of the own move."""
+    episodes: int = 0
+    """Number of random moves, and of ways back; a fifth of the scenarios if left out."""
+    sets: tuple[str, ...] = ()
+    """Sets of episodes beside the own move: reversed, random, nominal, hold, late, strong; all if
+    left out, own for none."""
     nominal: bool = False
-    """One undisturbed scenario instead."""
+    """One undisturbed scenario instead, of the own move only."""
+    trajectories: bool = False
+    """Also write what happened in every episode, a file of arrays for each controller."""
     policy: str = ""
     """Policy to use as residual (.json); the shipped one if left out."""
     output: Output = ""

@@ -15,6 +15,8 @@ from flatrig.models.errors import OptionError
 from flatrig.training.cli import main
 from flatrig.training.compare import compare_cranes as compare
 from flatrig.training.compare.contenders import BASE, CONTENDERS, contender, contenders_for
+from flatrig.training.compare.crane_runner import EpisodeRunner, carried
+from flatrig.training.compare.episode_sets import HOLD, OWN, Episode, scenarios_for
 from flatrig.training.compare.metrics import Metrics, between, measure
 from flatrig.training.learned import base_controller
 from flatrig.training.network import Network
@@ -25,7 +27,7 @@ from .test_policy import CARD
 RIG = models.overhead_crane()
 MOVE = models.Move(start=(0.0, -4.0), goal=(1.0, -3.5), duration=2.0)
 CONTROLLERS = {entry.name: entry.wrap for entry in contenders_for("crane") if not entry.learned}
-RESIDUAL = "FF + PD + residual"
+RESIDUAL = "residual, encoders"
 
 
 def still_policy(action: float = 0.0) -> Policy:
@@ -45,23 +47,27 @@ def still_policy(action: float = 0.0) -> Policy:
     return Policy(card, network)
 
 
+def runner_of(rig: models.Rig, move: models.Move, scenarios: list[Scenario]) -> EpisodeRunner:
+    return EpisodeRunner(rig, [Episode(move, scenario) for scenario in scenarios])
+
+
 @pytest.fixture(scope="module")
-def runner() -> compare.Runner:
-    return compare.Runner(RIG, MOVE, compare.scenarios_for(RIG, 4))
+def runner() -> EpisodeRunner:
+    return runner_of(RIG, MOVE, scenarios_for(RIG, 4))
 
 
 def test_exact_feedforward_is_exact_without_disturbances() -> None:
-    runner = compare.Runner(RIG, MOVE, [Scenario()])
+    runner = runner_of(RIG, MOVE, [Scenario()])
     for name in ("feedforward", BASE):
         record = runner.drive(CONTROLLERS[name])
         assert record.distance.max() < 2e-3  # inputs are held for 20 ms
         assert record.alive.all()
-        assert record.times[-1] == pytest.approx(2.0 + compare.HOLD)
+        assert record.times[-1] == pytest.approx(2.0 + HOLD)
     slow = runner.drive(CONTROLLERS["PD, set point"])
     assert slow.distance.max() > 0.1
 
 
-def test_a_run_does_not_depend_on_those_before_it(runner: compare.Runner) -> None:
+def test_a_run_does_not_depend_on_those_before_it(runner: EpisodeRunner) -> None:
     wrap = CONTROLLERS[BASE]
     first = runner.drive(wrap)
     runner.drive(CONTROLLERS["PD, moving"])
@@ -70,7 +76,7 @@ def test_a_run_does_not_depend_on_those_before_it(runner: compare.Runner) -> Non
     np.testing.assert_array_equal(first.tensions, second.tensions)
 
 
-def test_a_zero_residual_changes_nothing(runner: compare.Runner) -> None:
+def test_a_zero_residual_changes_nothing(runner: EpisodeRunner) -> None:
     def driven(wrap: Any) -> Metrics:
         return measure(runner.drive(wrap))
 
@@ -88,15 +94,14 @@ def test_a_zero_residual_changes_nothing(runner: compare.Runner) -> None:
 
 
 def test_a_policy_for_something_else_is_refused() -> None:
+    episodes = {OWN: [Episode(models.default_move("rotary"), Scenario())]}
     with pytest.raises(OptionError, match="the policy is for overhead_crane"):
-        compare.compare(
-            models.make("rotary"), models.default_move("rotary"), [Scenario()], still_policy()
-        )
+        compare.compare(models.make("rotary"), episodes, {"encoders": still_policy()})
 
 
-def test_controllers_do_what_their_names_say(runner: compare.Runner) -> None:
+def test_controllers_do_what_their_names_say(runner: EpisodeRunner) -> None:
     records = {name: runner.drive(wrap) for name, wrap in CONTROLLERS.items()}
-    delayed = np.array([scenario.delay for scenario in runner.scenarios])
+    delayed = np.array([episode.scenario.delay for episode in runner.episodes])
     first = {
         name: made.inputs[delayed, np.arange(len(delayed)), 0] for name, made in records.items()
     }
@@ -109,16 +114,17 @@ def test_controllers_do_what_their_names_say(runner: compare.Runner) -> None:
 def test_the_evaluation_uses_seeds_that_training_does_not() -> None:
     from flatrig.training.learn.settings import VALIDATION_SEED
 
-    ours = compare.scenarios_for(RIG, 5)
-    assert ours == compare.scenarios_for(RIG, 5)
-    assert ours != compare.scenarios_for(RIG, 5, VALIDATION_SEED)
+    ours = scenarios_for(RIG, 5)
+    assert ours == scenarios_for(RIG, 5)
+    assert ours != scenarios_for(RIG, 5, VALIDATION_SEED)
 
 
 def test_compare_writes_tables_and_figure(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], runner: compare.Runner
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], runner: EpisodeRunner
 ) -> None:
     still_policy().save(tmp_path / "zero")
     argv = ["compare", "overhead", "--goal", "1", "-3.5", "--duration", "2", "--scenarios", "3"]
+    argv += ["--sets", "own"]
     argv += ["--policy", str(tmp_path / "zero.json"), "-o", str(tmp_path / "out")]
     assert main(argv) == 0
     out = capsys.readouterr().out
@@ -143,12 +149,12 @@ def test_nominal_needs_no_policy(tmp_path: Path, capsys: pytest.CaptureFixture[s
     argv = ["compare", "roped-overhead", "--nominal", "-o", str(tmp_path)]
     assert main(argv) == 0
     out = capsys.readouterr().out
-    assert "no policy shipped" in " ".join(out.split())
+    assert "without a policy: residual, encoders and residual, sway" in " ".join(out.split())
     assert "undisturbed" in out
 
 
-def test_intervals_are_of_the_same_resamples_for_all(runner: compare.Runner) -> None:
-    comparison = compare.compare(RIG, MOVE, runner.scenarios, None)
+def test_intervals_are_of_the_same_resamples_for_all(runner: EpisodeRunner) -> None:
+    comparison = compare.compare(RIG, {OWN: runner.episodes}, {})
     base = next(run for run in comparison.runs if run.name == BASE)
     other = replace(base, contender=replace(base.contender, name="other"))
     comparison = replace(comparison, runs=[base, other])
@@ -161,12 +167,12 @@ def test_a_platform_is_judged_by_place_and_orientation(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     rig = models.make("cable_manipulator")
-    assert compare.carried(rig) == ([0, 1, 2], [3, 4, 5])
-    assert compare.carried(models.make("navy_crane_2d")) == ([0, 1], [])
+    assert carried(rig) == ([0, 1, 2], [3, 4, 5])
+    assert carried(models.make("navy_crane_2d")) == ([0, 1], [])
     start = models.default_move(rig).start
     goal = (*start[:3], 0.1, 0.0, 0.2, start[6])
     move = models.Move(start=start, goal=goal, duration=3.0)
-    record = compare.Runner(rig, move, [Scenario()]).drive(CONTROLLERS["feedforward"])
+    record = runner_of(rig, move, [Scenario()]).drive(CONTROLLERS["feedforward"])
     assert record.turn is not None
     assert record.turn.max() < 1e-3
     argv = ["compare", "cable-manipulator", "--goal", *map(str, goal), "--duration", "3"]

@@ -5,18 +5,15 @@ Latin hypercube from a seed that training never uses, so a difference between tw
 a difference between controllers, and intervals are of paired bootstrap resamples.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache, partial
-from itertools import islice
+from math import ceil
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ... import feedforward
-from ...envs import CraneVectorEnv
-from ...envs.crane.disturbances import Disturbances, Scenario, design
-from ...envs.crane.payloads import payloads
+from ...envs.crane.disturbances import Scenario
 from ...models import Move, Rig
 from ...models.files import make_folder
 from .. import options
@@ -24,14 +21,21 @@ from ..describe.feasible import INFEASIBLE, problems_of
 from ..exits import DONE, refuse
 from ..learned import check
 from ..policy import Policy, shipped
-from .contenders import EVALUATION_SEED, Contender
-from .driving import drive_all, periods
+from ..random_moves import PERIOD
+from .contenders import SENSORS, Contender
+from .crane_runner import EpisodeRunner, plans_of
+from .driving import drive_all
+from .episode_sets import OWN, SETS, Episode, gather, sets_of
 from .figure import draw
-from .metrics import LASTING, SETTLED, Record, between, measure
-from .report import INTERVALS, Column, Comparison, Run, report
+from .metrics import LASTING, SETTLED, Record, measure, over_hold
+from .report import report
+from .runs import INTERVALS, Column, Comparison, OnSet, Run
+from .trajectories import write_trajectories
 
-HOLD = 4.0
-"""How long a run goes on after arrival [s]."""
+OTHERS = 0.2
+"""How many episodes other sets than that of the own move have by default, over its scenarios."""
+PARTS = 6
+"""Of the time after arrival, in which errors are told apart; of the long hold each is 10 s."""
 COLUMNS = (
     Column("rmse", "tracking\nRMSE [mm]", 1e3, 1),
     Column("largest", "largest\nerror [mm]", 1e3, 0),
@@ -61,132 +65,95 @@ NOTES = (
 )
 
 
-def environment(rig: Rig, move: Move, num: int, **more: Any) -> Any:
-    """The vector environment in which controllers are trained and compared."""
-    options: dict[str, Any] = {"disturbances": Disturbances.standard(rig), "hold": HOLD} | more
-    return CraneVectorEnv(rig, num_envs=num, reference=move, **options)
-
-
-def scenarios_for(rig: Rig, number: int, seed: int = EVALUATION_SEED) -> list[Scenario]:
-    """Scenarios from the standard disturbances of a rig."""
-    return design(Disturbances.standard(rig), number, seed)
-
-
-class Runner:
-    """Drives the same scenarios with one controller after the other."""
-
-    def __init__(self, rig: Rig, move: Move, scenarios: Sequence[Scenario], **more: Any) -> None:
-        self.scenarios = list(scenarios)
-        self.env = environment(rig, move, len(self.scenarios), **more)
-        self.task = self.env.unwrapped.task
-        self.reference = feedforward.from_move(move)
-        self.arrival = self.reference.duration
-        self.steps = round((self.arrival + HOLD) / self.task.period)
-
-    def drive(self, wrap: Callable[[Any], Any]) -> Record:
-        """Run all scenarios to their end.
-
-        Parameters
-        ----------
-        wrap
-            Puts the controller around the environment.
-        """
-        task, num = self.task, len(self.scenarios)
-        rows = [
-            (alive, *(np.array(info[name]) for name in ("load", "input", "tension")))
-            for alive, info in islice(periods(wrap(self.env), self.scenarios), self.steps)
-        ]
-        alive, outputs, inputs, tensions = map(np.array, zip(*rows, strict=True))
-        times = task.period * np.arange(1, self.steps + 1)
-        path = np.repeat(self.reference(times)[:, None], num, axis=1)
-        places, angles = carried(task.rig)
-        return Record(
-            times=times,
-            arrival=np.full(num, self.arrival),
-            load=outputs[..., places],
-            reference=path[..., places],
-            inputs=inputs / task.limits,
-            tensions=tensions,
-            alive=alive,
-            turn=between(path[..., angles], outputs[..., angles]) if angles else None,
-        )
-
-
-def carried(rig: Rig) -> tuple[list[int], list[int]]:
-    """Outputs that say where the load or platform is, z last, and a platform's angles.
-
-    All outputs stand for the place where none of them is a coordinate of what is carried.
-    """
-    names = list(rig.outputs)
-    part = payloads(rig)[0]
-    coordinates = [f"{part.name}.{axis}" for axis in rig.axes]
-    places = [names.index(name) for name in coordinates if name in names]
-    angles = [names.index(name) for name in getattr(part, "angles", ()) if name in names]
-    return places or list(range(len(names))), angles if len(angles) == 3 else []
-
-
 def main(command: options.Compare) -> int:
     """Compare, print the table, and save tables and figure."""
     rig, move = command.target()
     options.check_number("--scenarios", command.scenarios, lowest=1, open_end=False)
+    options.check_number("--episodes", command.episodes, open_end=False)
+    sets_of(command.sets)
     folder = Path(command.output or f"results/compare-{command.label()}")
-    policy = Policy.load(command.policy) if command.policy else shipped(rig)
+    policies = policies_for(rig, command.policy)
     if status := refuse(INFEASIBLE, problems_of(rig, move)):
         return status
-    scenarios = [Scenario()] if command.nominal else scenarios_for(rig, command.scenarios)
+    episodes, left_out = episodes_for(rig, move, command)
     make_folder(folder)
-    if policy is None:
-        origin = f"no policy is shipped for {rig.name} with these numbers"
-    else:
-        origin = command.policy or f"shipped with flatrig, {policy.card.training.get('command')}"
-    comparison = compare(rig, move, scenarios, policy, origin)
+    keep = folder / "trajectories" if command.trajectories else None
+    comparison = compare(rig, episodes, policies, keep, left_out)
     draw(comparison, folder / "figure.png")
     report(comparison, folder, command.json)
     return DONE
 
 
+def episodes_for(
+    rig: Rig, move: Move, command: options.Compare
+) -> tuple[dict[str, list[Episode]], list[str]]:
+    """The episodes that are asked for, by their sets, and why some sets are left out."""
+    if command.nominal:
+        return {OWN: [Episode(move, Scenario())]}, []
+    count = command.episodes or ceil(OTHERS * command.scenarios)
+    return gather(rig, move, command.scenarios, count, command.sets)
+
+
 def compare(
-    rig: Rig, move: Move, scenarios: Sequence[Scenario], policy: Policy | None, origin: str = ""
+    rig: Rig,
+    episodes: Mapping[str, Sequence[Episode]],
+    policies: Mapping[str, Policy],
+    keep: Path | None = None,
+    left_out: Sequence[str] = (),
 ) -> Comparison:
-    """Drive the scenarios with every contender.
+    """Drive the episodes of all sets with every contender.
 
     Parameters
     ----------
-    rig, move
-        The crane and its move.
-    scenarios
-        How each plant differs from the rig.
-    policy
-        Policy of the learned contenders, which are left out without one.
-    origin
-        Where the policy comes from, in words.
+    rig
+        The crane.
+    episodes
+        Of each set by its name; the first one is told of in full.
+    policies
+        Policies of learned contenders by their sensors; those without one are left out.
+    keep
+        Folder for the trajectories of every contender; None keeps none.
+    left_out
+        Sets that the rig cannot make, and why.
 
     Raises
     ------
     OptionError
         The policy does not suit the environment.
+    OutputError
+        Trajectories cannot be written.
     """
-    runner = cache(lambda sensors: Runner(rig, move, scenarios, sensors=sensors))
-    if policy is not None:
-        check(policy.card, runner(policy.card.sensors).task)
+    every = [episode for chosen in episodes.values() for episode in chosen]
+    plans = plans_of(rig, every, PERIOD)
+    runner = cache(lambda sensors: EpisodeRunner(rig, every, plans, sensors=sensors))
+    for sensors, policy in policies.items():
+        check(policy.card, runner(sensors).task)
 
-    def drive(entry: Contender) -> Run:
-        if policy is not None and entry.learned:
-            record = runner(policy.card.sensors).drive(partial(entry.wrap, policy=policy))
-        else:
-            record = runner(entry.sensors).drive(entry.wrap)
-        return Run(entry, record.times, record.distance, measure(record))
+    def drive(entry: Contender) -> dict[str, Run]:
+        wrap = entry.wrap
+        if entry.learned:
+            wrap = partial(wrap, policy=policies[entry.sensors])
+        record = runner(entry.sensors).drive(wrap)
+        if keep is not None:
+            write_trajectories(keep, entry.name, record, episodes)
+        return {name: run_of(entry, part) for name, part in parts_of(record, episodes)}
 
-    runs, absent = drive_all("crane", drive, learned=policy is not None)
-    turned = np.isfinite(runs[0].metrics.turn).any()
+    driven, absent = drive_all("crane", drive, policies)
+    sets = {
+        name: OnSet(SETS[name].title, chosen, [runs[name] for runs in driven])
+        for name, chosen in episodes.items()
+    }
+    first = next(iter(sets.values()))
+    scenarios = [episode.scenario for episode in first.episodes]
+    turned = np.isfinite(first.runs[0].metrics.turn).any()
     return Comparison(
         kind="rig",
         name=rig.name,
         thing="Load",
         units=UNITS,
         scenarios=scenarios,
-        arrival=feedforward.from_move(move).duration,
-        runs=runs,
+        arrival=feedforward.from_move(first.episodes[0].move).duration,
+        runs=first.runs,
         absent=absent,
         columns=(*COLUMNS, TURN) if turned else COLUMNS,
         cells={
@@ -194,6 +161,48 @@ def compare(
             "ended\nearly": lambda metrics: str(int(metrics.failed.sum())),
         },
         notes=NOTES + (f" {INTERVALS}" if len(scenarios) > 1 else ""),
-        residual=origin,
+        residual=_origins(rig, policies),
         relative=True,
+        sets=sets,
+        left_out=left_out,
     )
+
+
+def policies_for(rig: Rig, file: str = "") -> dict[str, Policy]:
+    """The policy of a file, or those that are shipped for a rig, by their sensors.
+
+    Raises
+    ------
+    OptionError
+        The file cannot be read, or is none.
+    """
+    if file:
+        policy = Policy.load(file)
+        return {policy.card.sensors: policy}
+    found = {sensors: shipped(rig, sensors) for sensors in SENSORS}
+    return {sensors: policy for sensors, policy in found.items() if policy is not None}
+
+
+def _origins(rig: Rig, policies: Mapping[str, Policy]) -> str:
+    """Where policies come from, in words."""
+    if not policies:
+        return f"no policy is shipped for {rig.name} with these numbers"
+    return "; ".join(
+        f"{sensors} by {policy.card.training.get('command')}"
+        for sensors, policy in policies.items()
+    )
+
+
+def run_of(entry: Contender, record: Record) -> Run:
+    """What a record of one set says of a contender."""
+    return Run(entry, record.times, record.distance, measure(record), over_hold(record, PARTS))
+
+
+def parts_of(
+    record: Record, episodes: Mapping[str, Sequence[Episode]]
+) -> Iterator[tuple[str, Record]]:
+    """The part of a record that belongs to each set, in their order."""
+    start = 0
+    for name, chosen in episodes.items():
+        yield name, record.of(slice(start, start + len(chosen)))
+        start += len(chosen)

@@ -31,7 +31,8 @@ from .contenders import EVALUATION_SEED, Contender
 from .driving import drive_all, periods
 from .figure import draw
 from .metrics import LASTING, lasts
-from .report import INTERVALS, Column, Comparison, Run, report
+from .report import report
+from .runs import INTERVALS, Column, Comparison, Run
 
 AWAY, TURNED = 1e-3, 0.5
 """How near to the plan's end an object that has reached it stays [m], [degrees]."""
@@ -111,7 +112,6 @@ def compare(hand: Hand, move: HandMove, scenarios: Sequence[HandScenario]) -> Co
     runs, absent = drive_all(
         "hand",
         lambda entry: drive(env(entry.sensors), entry, scenarios, move.duration),
-        learned=False,
     )
     return Comparison(
         kind="hand",
@@ -139,7 +139,7 @@ def drive(
 ) -> Run:
     """Run all scenarios to their end with one contender; the plan arrives at `arrival` [s]."""
     task, num = env.task, len(scenarios)
-    steps = periods(contender.wrap(env), scenarios)
+    steps = periods(contender.wrap(env), {"scenarios": scenarios})
     reasons, pose = [""] * num, task.plant.outputs.copy()
     distance, near, effort, lasted = [], [], np.zeros(num), np.zeros(num)
     rows, place = task.plans[0].rows, task.rows.parts["outputs"].shape[1]

@@ -17,6 +17,8 @@ from ..policy import Policy
 
 EVALUATION_SEED = 2016_2001
 """Seed of the scenarios on which contenders are compared; training never uses it."""
+SENSORS = ("encoders", "sway", "full")
+"""Sets of sensors, each of which sees all that those before it do."""
 BASE = "FF + PD"
 """The contender that others are measured against."""
 
@@ -35,9 +37,9 @@ class Contender:
     plants: tuple[Plant, ...] = ("crane", "hand")
     """What it can drive."""
     sensors: str = "encoders"
-    """Sensors that the environment must have; a policy's own if learned."""
+    """Sensors that the environment must have."""
     learned: bool = False
-    """Whether it needs a trained policy; without one its row says so."""
+    """Whether it needs a policy that was trained with these sensors."""
     emphasis: bool = False
     """Whether its row stands out."""
 
@@ -88,7 +90,12 @@ def with_pose(env: Any) -> Any:
     return PoseFeedback(with_feedback(env))
 
 
-@contender("FF + PD + residual", plants=("crane",), learned=True, emphasis=True)
 def with_residual(env: Any, policy: Policy) -> Any:
     """The same with the estimated mass, and what a policy has learned."""
     return LearnedResidual(base_controller(env), policy)
+
+
+for sensors in SENSORS:
+    contender(
+        f"residual, {sensors}", plants=("crane",), sensors=sensors, learned=True, emphasis=True
+    )(with_residual)

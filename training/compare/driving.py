@@ -1,7 +1,7 @@
 """Driving the scenarios of a comparison: all of them at once, with one contender after another."""
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from collections.abc import Callable, Container, Iterator, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from rich.progress import track
@@ -9,37 +9,43 @@ from rich.progress import track
 from ...models.types import Mask
 from ..console import console
 from .contenders import Contender, Plant, contenders_for
-from .report import Run
+
+Driven = TypeVar("Driven")
 
 
 def drive_all(
-    plant: Plant, drive: Callable[[Contender], Run], learned: bool
-) -> tuple[list[Run], list[Contender]]:
-    """The run of every contender for a plant, and those left out: the learned if not `learned`."""
+    plant: Plant, drive: Callable[[Contender], Driven], policies: Container[str] = ()
+) -> tuple[list[Driven], list[Contender]]:
+    """What every contender for a plant did, and those left out.
+
+    The latter are the learned ones whose sensors are not among those with `policies`.
+    """
     contenders = contenders_for(plant)
-    absent = [entry for entry in contenders if entry.learned and not learned]
+    absent = [entry for entry in contenders if entry.learned and entry.sensors not in policies]
     running = [entry for entry in contenders if entry not in absent]
     out = console(stderr=True)
     bar = track(running, "Driving", transient=True, console=out, disable=not out.is_terminal)
     return [drive(entry) for entry in bar], absent
 
 
-def periods(env: Any, scenarios: Sequence[Any]) -> Iterator[tuple[Mask, dict[str, Any]]]:
-    """Begin N scenarios at once; the iterator then steps through their control periods, endlessly.
+def periods(
+    env: Any, options: dict[str, Sequence[Any]], seed: int | Sequence[int] = 0
+) -> Iterator[tuple[Mask, dict[str, Any]]]:
+    """Begin N episodes at once; the iterator then steps through their control periods, endlessly.
 
     Parameters
     ----------
     env
         Vector environment, with the controller around it.
-    scenarios
-        How each of the N plants differs from the rig or hand.
+    options, seed
+        Of the reset: how each of the N plants differs from the rig or hand, and what it is to do.
 
     Returns
     -------
     Iterator
         Of each period which runs have not ended early by its end, shape (N,), and the infos.
     """
-    env.reset(seed=0, options={"scenarios": list(scenarios)})
+    env.reset(seed=seed, options=options)
     return _steps(env)
 
 

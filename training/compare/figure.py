@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from .. import plots
-from .report import Comparison, Run
+from .runs import Comparison, Run
 
 
 def draw(comparison: Comparison, path: Path) -> None:

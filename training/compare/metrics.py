@@ -2,6 +2,7 @@
 
 Arrays hold T control periods of N scenarios; a run that ended early is marked by `alive`, and its
 load stays where it was while the reference moves on: giving up does not make a controller better.
+Episodes may be shorter than others beside them, and what follows their ends does not count.
 
 A load has settled if from some instant after arrival on it stays within `SETTLED` of the goal to
 the end of the run, and if that is for `LASTING` or longer: a load that swings through the goal as
@@ -11,9 +12,10 @@ after arrival where the load has not settled, so that it is longer for every wor
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ...models.types import Array, Mask
@@ -50,14 +52,43 @@ class Record:
     """False from the period on in which the run ended early, shape (T, N)."""
     turn: Array | None = None
     """Angle by which a platform is turned away from its reference [rad], shape (T, N)."""
+    lengths: NDArray[np.int64] | None = None
+    """Control periods of each episode, shape (N,); all T if None."""
 
-    @property
+    @cached_property
+    def last(self) -> NDArray[np.int64]:
+        """Index of each episode's last period, whether a run came to it or not, shape (N,)."""
+        full = np.full(self.alive.shape[1], len(self.times))
+        return (full if self.lengths is None else self.lengths) - 1
+
+    @cached_property
+    def counted(self) -> Mask:
+        """Which periods belong to their episode, shape (T, N)."""
+        return np.asarray(np.arange(len(self.times))[:, None] <= self.last)
+
+    @cached_property
     def distance(self) -> Array:
-        """Distance of the load from its reference [m], (T, N); after an early end it rests."""
-        last = np.maximum(self.alive.sum(axis=0) - 1, 0)
+        """Distance of the load from its reference [m], (T, N).
+
+        After an early end the load rests, and after its last period an episode stands still.
+        """
+        last = np.clip(self.alive.sum(axis=0) - 1, 0, self.last)
         rest = np.take_along_axis(self.load, last[None, :, None], axis=0)
         load = np.where(self.alive[..., None], self.load, rest)
-        return np.asarray(np.linalg.norm(load - self.reference, axis=2))
+        distance = np.linalg.norm(load - self.reference, axis=2)
+        end = np.take_along_axis(distance, self.last[None], axis=0)
+        return np.asarray(np.where(self.counted, distance, end))
+
+    def of(self, chosen: slice) -> "Record":
+        """Those of some episodes, up to the end of the longest."""
+        lengths = self.last[chosen] + 1
+        periods = slice(int(lengths.max()))
+        return Record(
+            self.times[periods], self.arrival[chosen], self.load[periods, chosen],
+            self.reference[periods, chosen], self.inputs[periods, chosen],
+            self.tensions[periods, chosen], self.alive[periods, chosen],
+            None if self.turn is None else self.turn[periods, chosen], lengths,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,31 +120,43 @@ class Metrics:
 
 def measure(record: Record) -> Metrics:
     """The metrics of N runs."""
-    distance, alive = record.distance, record.alive
-    since = record.times[:, None] - record.arrival
-    after = since >= -ROUNDED
-    whole = after & alive[-1]
+    distance, alive, counted = record.distance, record.alive, record.counted
+    ends = record.times[record.last]
+    since = np.minimum(record.times[:, None], ends) - record.arrival
+    after = counted & (since >= -ROUNDED)
+    failed = ~np.take_along_axis(alive, record.last[None], axis=0)[0]
     near = distance <= SETTLED
-    settled = alive[-1] & lasts(since, near)
+    settled = ~failed & lasts(since, near)
     turn = np.full(alive.shape, np.nan) if record.turn is None else record.turn
-    lowest = np.where(alive, record.tensions.min(axis=2), np.inf).min(axis=0)
+    driven = alive & counted
+    lowest = np.where(driven, record.tensions.min(axis=2), np.inf).min(axis=0)
     return Metrics(
-        rmse=np.sqrt(np.square(distance).mean(axis=0)),
+        rmse=_rms(np.square(distance), counted),
         largest=distance.max(axis=0),
-        swing=_swing(record.load[..., :-1], whole),
+        swing=_swing(record.load[..., :-1], after & ~failed),
         settling=np.where(settled, entry(since, near), since[-1]),
-        effort=_rms(np.square(record.inputs).mean(axis=2), alive),
+        effort=_rms(np.square(record.inputs).mean(axis=2), driven),
         tension=np.where(np.isfinite(lowest), lowest, 0.0),
         settled=settled.astype(float),
-        failed=np.asarray(~alive[-1], dtype=float),
-        turn=_rms(np.square(turn), alive),
+        failed=failed.astype(float),
+        turn=_rms(np.square(turn), driven),
     )
 
 
-def _rms(squares: Array, alive: Mask) -> Array:
-    """Root of the mean of squares (T, N) over the periods until a run ended, shape (N,)."""
-    total = np.where(alive, squares, 0.0).sum(axis=0)
-    return np.asarray(np.sqrt(total / np.maximum(alive.sum(axis=0), 1)))
+def over_hold(record: Record, parts: int) -> Array:
+    """Root mean square distance in equal parts of the time after arrival [m], shape (parts, N)."""
+    ends = record.times[record.last]
+    share = (record.times[:, None] - record.arrival) / (ends - record.arrival)
+    squares = np.square(record.distance)
+    place = np.floor(parts * share - ROUNDED)
+    chosen = record.counted & (share > ROUNDED)
+    return np.array([_rms(squares, chosen & (place == part)) for part in range(parts)])
+
+
+def _rms(squares: Array, chosen: Mask) -> Array:
+    """Root of the mean of squares (T, N) over the chosen periods, 0 without any, shape (N,)."""
+    total = np.where(chosen, squares, 0.0).sum(axis=0)
+    return np.asarray(np.sqrt(total / np.maximum(chosen.sum(axis=0), 1)))
 
 
 def between(angles: Array, others: Array) -> Array:

@@ -28,7 +28,7 @@ from ...envs.crane.plan import CranePlan
 from ...envs.crane.taut_guard import TautBand
 from ...envs.crane.wind import heading
 from ...models.types import Array
-from ..compare.compare_cranes import carried
+from ..compare.crane_runner import carried
 
 BALANCE = Weights()
 """Weights of a teacher's regulator."""

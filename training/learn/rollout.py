@@ -16,7 +16,7 @@ from ...envs.crane.task import CraneTask
 from ...envs.laws import laws_of
 from ...models import Move, Rig
 from ...models.types import Array, Mask
-from ..compare.compare_cranes import carried
+from ..compare.crane_runner import carried
 from ..learned import base_controller
 from ..random_moves import random_move
 from .crane_teacher import CraneTeacher
