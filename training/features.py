@@ -1,6 +1,6 @@
 """What a residual policy looks at: signals that sensors, drives and plan give, and their past.
 
-    features = Features(crane_signals(task, mass), PERIOD)
+    features = crane_features(task, mass, speeds)
     x = features.look(task.steps == 0)              # (n, features)
 
 No signal tells the time: what holds at one instant of one move holds at another of another move.
@@ -20,6 +20,7 @@ from ..envs.crane.mass_estimate import MassLaw
 from ..envs.crane.task import CraneTask
 from ..envs.episodes import AnyTask
 from ..models.types import Array, Mask
+from .drive_forces import DriveForces, Excess
 
 TIME_CONSTANTS = (0.06, 0.15, 0.4, 1.0, 2.5, 6.0)
 """Time constants of the filters [s]."""
@@ -51,6 +52,8 @@ class Features:
         Between two looks [s].
     time_constants
         Of the filters [s].
+    prepare
+        Told before each look which episodes are new.
     """
 
     def __init__(
@@ -58,8 +61,9 @@ class Features:
         signals: Sequence[Signal],
         period: float,
         time_constants: Sequence[float] = TIME_CONSTANTS,
+        prepare: Callable[[Mask], None] = lambda fresh: None,
     ) -> None:
-        self._signals = signals
+        self._signals, self._prepare = signals, prepare
         self._shares = -np.expm1(-period / np.asarray(time_constants))[:, None]
         self._slow = np.zeros((0, 0, 0))
         now = [name for signal in signals for name in signal.names]
@@ -69,6 +73,7 @@ class Features:
 
     def look(self, fresh: Mask) -> Array:
         """Take the signals in, and forget the past of simulations whose episode is `fresh`."""
+        self._prepare(fresh)
         now = [signal.read() for signal in self._signals]
         kept = [
             values for values, signal in zip(now, self._signals, strict=True) if signal.remembered
@@ -82,20 +87,13 @@ class Features:
         return np.concatenate((*now, self._slow.reshape(len(present), -1)), axis=1)
 
 
-def drive_signals(task: AnyTask, home: Array, speeds: Array) -> list[Signal]:
+def drive_signals(task: AnyTask, home: Array, speeds: Array, excess: Excess) -> list[Signal]:
     """What encoders, commands and plan say, of cranes and hands.
 
     Positions count from `home`, efforts are shares of the drives' limits, and `speeds` the highest
     planned ones; (drives,) each.
     """
     rows, encoders, drives = task.rows, task.encoders, len(task.limits)
-    asked = np.zeros((task.num, drives))  # the feedforward of the period that has ended
-
-    def excess() -> Array:
-        present = rows.parts["feedforward"]
-        over = np.where((task.steps == 0)[:, None], 0.0, task.commands - asked)
-        asked[...] = present
-        return over
 
     def named(what: str) -> list[str]:
         return [f"{name} {what}" for name in task.action_names]
@@ -113,7 +111,7 @@ def drive_signals(task: AnyTask, home: Array, speeds: Array) -> list[Signal]:
     return [
         Signal(named("error"), lambda: encoders.errors[:, :drives], True),
         Signal(named("rate error"), lambda: encoders.errors[:, drives:], True),
-        Signal(named("excess command"), excess, True),
+        Signal(named("excess command"), lambda: excess.now, True),
         Signal(named("inertial effort"), dynamic, True),
         Signal(named("direction"), lambda: np.tanh(planned() / (CREEP * speeds)), True),
         Signal(named("position"), lambda: encoders.positions - home),
@@ -127,11 +125,28 @@ def drive_signals(task: AnyTask, home: Array, speeds: Array) -> list[Signal]:
     ]
 
 
-def crane_signals(task: CraneTask, mass: MassLaw, speeds: Array) -> list[Signal]:
-    """Those of a crane: also the estimated mass, and what its load sensors measure, if any."""
-    names = task.action_names
+def crane_features(
+    task: CraneTask, mass: MassLaw, speeds: Array, time_constants: Sequence[float] = TIME_CONSTANTS
+) -> Features:
+    """Those of a crane: also what drives feel, the estimated mass, what load sensors measure.
+
+    Parameters
+    ----------
+    task, mass
+        The simulations, and the law below that estimates their loads' mass.
+    speeds
+        Highest planned speeds of the drives, (drives,).
+    time_constants
+        Of the filters [s].
+    """
+    names, forces = task.action_names, DriveForces(task, speeds)
+    home = task.plant.drives_at(task.plant.home)
     signals = [
-        *drive_signals(task, task.plant.drives_at(task.plant.home), speeds),
+        *drive_signals(task, home, speeds, forces.excess),
+        Signal([f"{name} load effort" for name in names], lambda: forces.load, True),
+        Signal([f"{name} measured direction" for name in names], lambda: forces.direction, True),
+        Signal([f"{name} friction" for name in names], lambda: forces.friction),
+        Signal([f"{name} sureness" for name in names], lambda: forces.sureness),
         Signal(["mass"], lambda: mass.estimate[:, None] - 1.0),
         Signal([f"{name} per mass" for name in names], lambda: mass.sensitivity),
     ]
@@ -144,4 +159,4 @@ def crane_signals(task: CraneTask, mass: MassLaw, speeds: Array) -> list[Signal]
             Signal([f"{name} rate error" for name in outputs], lambda: loads.rate_errors, True),
             Signal([f"{rope} tension" for rope in ropes], lambda: loads.tensions / weight, True),
         ]
-    return signals
+    return Features(signals, task.period, time_constants, forces.look)

@@ -22,7 +22,7 @@ from ..envs.laws import AnyEnv, Law, laws_of, refuse_below, task_of, wrap
 from ..models import fingerprint
 from ..models.errors import OptionError
 from ..models.types import Array
-from .features import Features, crane_signals
+from .features import Features, crane_features
 from .gate import Gate
 from .policy import Card, Policy, shipped
 
@@ -145,7 +145,7 @@ def features_of(
     """The features of a task's simulations."""
     assert isinstance(task, CraneTask)
     assert mass is not None
-    return Features(crane_signals(task, mass, speeds), task.period, time_constants)
+    return crane_features(task, mass, speeds, time_constants)
 
 
 def beyond(card: Card, task: AnyTask, sim: int) -> float:

@@ -25,7 +25,7 @@ from ..learned import features_of
 from ..policy import Card, Policy
 from .crane_teacher import CraneTeacher, lineariser_for
 from .rollout import RESOLUTIONS, UNDISTURBED, Classroom, Episode, Seen, draw_episodes
-from .settings import Settings
+from .settings import CHANGES, Settings
 from .student import Lessons, School, Student, normalised
 
 
@@ -80,6 +80,7 @@ class Training:
         self.iteration = 0
         self.lessons = Lessons(seed)
         self.units = np.zeros(len(rig.drives))
+        self.box: tuple[tuple[float, ...], tuple[float, ...]] = tuple(move.start), tuple(move.goal)
         self._drives = len(rig.drives)
         self._lineariser = lineariser_for(self.room.task, nthread=nthread)
 
@@ -91,8 +92,7 @@ class Training:
             self.rig, self.move, settings.episodes, rng, disturbances=self.disturbances,
             period=self.room.task.period, holds=settings.holds,
         )  # fmt: skip
-        if k == 0:
-            self._see_moves(episodes)
+        self._see_moves(episodes)
         teacher = self.teacher(self.room, episodes)
         taught = settings.taught[k] if k < len(settings.taught) else 0.0
         seen = self.room.run(
@@ -118,7 +118,7 @@ class Training:
         plans, scenarios = zip(*episodes, strict=True)
         return CraneTeacher(
             room.task, plans, scenarios, lineariser=self._lineariser, delay=self.settings.delay,
-            weights=Weights(change=self.settings.change),
+            weights=Weights(change=self.settings.change or CHANGES[self.sensors]),
         )  # fmt: skip
 
     def finish(self) -> tuple[float, float]:
@@ -150,14 +150,15 @@ class Training:
         }
 
     def _see_moves(self, episodes: Sequence[Episode]) -> None:
-        """How fast drives move, and where loads go, in the moves of training."""
+        """How fast drives move at first, and where loads go, in the moves of training."""
         drives, outputs = self._drives, self.room.task.rows.parts["outputs"].shape[1]
         rows = np.concatenate([episode.plan.rows for episode in episodes])
-        self.speeds = np.maximum(np.abs(rows[:, drives : 2 * drives]).max(axis=0), 1e-3)
         # Moves are drawn in the box of the given one; what curves out of it is seen here.
-        places = np.vstack((self.move.start, self.move.goal, rows[:, 2 * drives :][:, :outputs]))
+        places = np.vstack((*self.box, rows[:, 2 * drives :][:, :outputs]))
         self.box = tuple(places.min(axis=0).tolist()), tuple(places.max(axis=0).tolist())
-        self._look()
+        if self.iteration == 0:
+            self.speeds = np.maximum(np.abs(rows[:, drives : 2 * drives]).max(axis=0), 1e-3)
+            self._look()
 
     def _act(self, fresh: Mask) -> tuple[Array, Array]:
         """Features, and what the student behind its gate adds, nothing before the first fit."""

@@ -12,6 +12,10 @@ VALIDATION_EPISODES = 36
 VALIDATION_HOLDS = (4.0, 20.0)
 """How long they last after arrival [s]."""
 
+CHANGES = {"encoders": 0.004, "sway": 0.01, "full": 0.02}
+"""For each set of sensors: a stiffer teacher asks more than a policy can know, and what that
+believes wrongly makes swing."""
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -41,9 +45,9 @@ class Settings:
     """Largest action, in units: root mean squares of what the teacher adds."""
     least_unit: float = 0.005
     """Smallest unit, over a drive's limit."""
-    change: float = 0.003
-    """Of a command in one period, over the limits, that costs the teacher as much as a centimetre:
-    a stiffer teacher asks more than a policy can know, and what it believes wrongly makes swing."""
+    change: float = 0.0
+    """Change of a command in one period, over the limits, that costs the teacher as much as an
+    error of a centimetre; `CHANGES` of the sensors if 0."""
     delay: int = 1
     """Delay with which the teacher counts [periods]: a policy cannot tell one from another."""
     gate: tuple[float, float, float] = (0.05, 0.3, 10.0)
