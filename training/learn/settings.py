@@ -50,7 +50,7 @@ class Settings:
     error of a centimetre; `CHANGES` of the sensors if 0."""
     delay: int = 1
     """Delay with which the teacher counts [periods]: a policy cannot tell one from another."""
-    gate: tuple[float, float, float] = (0.05, 0.3, 10.0)
+    gate: tuple[float, float, float] = (0.1, 0.4, 10.0)
     """Evidence at which the residual begins and counts whole, and its time constant [s]."""
     time_constants: tuple[float, ...] = TIME_CONSTANTS
     """Time constants of the features' filters [s]."""
