@@ -1,9 +1,9 @@
 """What drives feel beyond what is planned: the rope's pull on them, and friction.
 
-Each drive's balance, its inertia J times the acceleration that is not planned, against the command
-that is not planned, leaves an unexplained effort
+What drives together feel as inertia C (`flatrig.envs.crane.tuning`) times the acceleration that is
+not planned, against the command that is not planned, leaves an unexplained effort
 
-    d = J (measured - planned acceleration) - (command - feedforward),
+    d = C (measured - planned acceleration) - (command - feedforward),
 
 over the limit.  It is friction, the swing of a load, wind, or a wrong mass.  Friction alone turns
 with the direction s = tanh(speed / creep) of the drive, so that a regression of d on s, both
@@ -14,8 +14,9 @@ first filter.
 
 import numpy as np
 
+from ..envs.crane.along_plans import AlongPlans
 from ..envs.crane.task import CraneTask
-from ..envs.crane.tuning import inertias
+from ..envs.crane.tuning import forces_of, inertia_along
 from ..envs.episodes import AnyTask
 from ..models.types import Array, Mask
 
@@ -59,7 +60,8 @@ class DriveForces:
 
     def __init__(self, task: CraneTask, speeds: Array) -> None:
         self._task, self._creep = task, CREEP * speeds
-        self._inertias = inertias(task.plant) / task.limits
+        forces = forces_of(task.plant)[:, None]
+        self._inertias = AlongPlans(task, lambda plan: inertia_along(task.plant, plan) / forces)
         shape = task.num, len(speeds)
         self._rates, self._over, self._drifts = (np.zeros(shape) for _ in range(3))
         self._turns, self._both, self._ways = (np.zeros(shape) for _ in range(3))
@@ -92,7 +94,7 @@ class DriveForces:
         self._rates += fast * (errors - self._rates)
         self._over += fast * (self.excess.now - self._over)
         self.direction += fast * (way - self.direction)
-        left = self._inertias * missing - self._over
+        left = np.matvec(self._inertias.now(), missing) - self._over
         self._drifts += slow * (left - self._drifts)
         self._turns += slow * (self.direction - self._turns)
         force, turn = left - self._drifts, self.direction - self._turns

@@ -71,13 +71,18 @@ def gains_along(plant: Plant, plan: CranePlan) -> Array:
         shape (steps, drives, 2 drives).
     """
     frequency, ratio = _tuning(plant, "moving")
-    coordinates: dict[str, Any] = dict(plan.course)
-    joints = joint_state(plant.rig, plant.model, coordinates).qpos
-    inertia = inertia_matrices(plant, np.asarray(joints))
+    inertia = inertia_along(plant, plan)
     damping = np.sqrt(2.0 * ratio * frequency)
     factors = (np.outer(frequency, frequency), np.outer(damping, damping))
     forces = np.concatenate([inertia * factor for factor in factors], axis=2)
     return np.asarray(forces / forces_of(plant)[:, None])
+
+
+def inertia_along(plant: Plant, plan: CranePlan) -> Array:
+    """C at every step of a plan until arrival, shape (steps, drives, drives)."""
+    coordinates: dict[str, Any] = dict(plan.course)
+    joints = joint_state(plant.rig, plant.model, coordinates).qpos
+    return inertia_matrices(plant, np.asarray(joints))
 
 
 def inertia_matrices(plant: Plant, joints: Array) -> Array:

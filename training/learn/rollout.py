@@ -109,8 +109,7 @@ class Classroom:
         self.task: CraneTask = env.unwrapped.task
         self._laws = list(laws_of(env))
         self.mass = next(law for law in self._laws if isinstance(law, MassLaw))
-        feedback = next(law for law in self._laws if isinstance(law, PDLaw))
-        self._gains = feedback.gains
+        self._feedback = next(law for law in self._laws if isinstance(law, PDLaw))
         self._places, _ = carried(rig)
         self.heads = head_names(rig, len(self._places))
         """What `Seen.truth` holds."""
@@ -187,10 +186,9 @@ class Classroom:
 
     def _base(self) -> Array:
         """What the base controller is about to send, but for the next step of its estimate."""
-        drives, feedback = len(self.task.limits), self.task.encoders.errors * self._gains
         heavier = (self.mass.estimate - 1.0)[:, None] * self.mass.sensitivity
         planned = self.task.rows.parts["feedforward"]
-        return np.asarray(planned + heavier + feedback[:, :drives] + feedback[:, drives:])
+        return np.asarray(planned + heavier + self._feedback.feedback())
 
 
 def head_names(rig: Rig, places: int) -> tuple[str, ...]:
