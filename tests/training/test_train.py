@@ -205,7 +205,7 @@ def test_a_student_learns_what_it_is_shown_and_weighs_errors() -> None:
     lessons.add(x, wanted, x[:, :1], np.tile(np.diag([1.0, 0.1]), (4000, 1, 1)))
     school = School(Student(6, 2, 1, 32), batch=256)
     first, _ = school.fit(lessons, 20, 1.0, 1.0)
-    last, heads = school.fit(lessons, 400, 1.0, 0.05)
+    last, _ = school.fit(lessons, 400, 1.0, 0.05)
     assert last < 0.5 * first
     with torch.no_grad():
         said, told = school.student(lessons.parts[0])
