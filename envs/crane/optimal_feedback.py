@@ -7,10 +7,13 @@ chosen is the change of the command, v_k - v_(k-1): a steady command costs nothi
     cost = |outputs / error|^2 + |joints / sway|^2 + |change / change|^2
 
 Outputs count in metres, angles times their lever.  Where some outputs are coordinates of what the
-crane carries, the others (a free pulley's height, a spread) count for as little as joints.
+crane carries, the others (a free pulley's height, a spread) count by `other`.
+
+Disturbances that are expected, constant ones and gusts that go round, are `Disturbance`.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,10 +36,47 @@ class Weights:
 
     error: float = 0.01
     """Of the load, [m] and [rad] times its lever."""
+    other: float = 0.1
+    """Of other outputs [m, rad]."""
     sway: float = 0.3
-    """Of each joint and of other outputs [m, rad]."""
+    """Of each joint [m, rad]."""
     change: float = 0.02
     """Of a command in one period, over the limits."""
+
+
+class Disturbance(NamedTuple):
+    """Disturbances w of P courses: w' = E w, and S w are those of the linear model."""
+
+    spread: Array
+    """S, shape (P, disturbances of the model, disturbances w)."""
+    drift: Array
+    """E, shape (P, disturbances w, disturbances w)."""
+
+
+def constant(model: LinearModel) -> Disturbance:
+    """The linear model's own disturbances, which stay as they are."""
+    count, size = len(model.knots), model.transition.shape[3] - model.states - model.inputs
+    one = np.broadcast_to(np.eye(size), (count, size, size))
+    return Disturbance(one, one)
+
+
+def with_gusts(model: LinearModel, angles: Array) -> Disturbance:
+    """Those, and forces that swing: by the angle (P,) [rad] in a period, along each direction.
+
+    Of each of these w has the present force and, a quarter of a turn ahead of it, its companion:
+    first the forces along all directions, then the companions.
+    """
+    still, _ = constant(model)
+    count, size, axes = len(still), still.shape[1], model.axes
+    spread = np.concatenate((still, np.zeros((count, size, 2 * axes))), axis=2)
+    spread[:, :axes, size : size + axes] = np.eye(axes)
+    drift = np.zeros((count, size + 2 * axes, size + 2 * axes))
+    drift[:, :size, :size] = still
+    present, companion = slice(size, size + axes), slice(size + axes, size + 2 * axes)
+    cosine, sine = (turn(angles)[:, None, None] * np.eye(axes) for turn in (np.cos, np.sin))
+    drift[:, present, present], drift[:, present, companion] = cosine, sine
+    drift[:, companion, present], drift[:, companion, companion] = -sine, cosine
+    return Disturbance(spread, drift)
 
 
 def output_weights(rig: Rig, scales: Scales, weights: Weights) -> Array:
@@ -49,10 +89,16 @@ def output_weights(rig: Rig, scales: Scales, weights: Weights) -> Array:
     fine = np.array([all(name in carried for _, name in rig.terms(o)) for o in rig.outputs])
     if not fine.any():
         fine[:] = True
-    return np.asarray(levers(rig, scales) / np.where(fine, weights.error, weights.sway))
+    return np.asarray(levers(rig, scales) / np.where(fine, weights.error, weights.other))
 
 
-def regulator(model: LinearModel, delays: Delays, outputs: Array, weights: Weights) -> Feedback:
+def regulator(
+    model: LinearModel,
+    delays: Delays,
+    outputs: Array,
+    weights: Weights,
+    expected: Disturbance | None = None,
+) -> Feedback:
     """Gains of the commands themselves, from step 0 to the last arrival, which holds on.
 
     Parameters
@@ -65,16 +111,20 @@ def regulator(model: LinearModel, delays: Delays, outputs: Array, weights: Weigh
         What each output's deviation is multiplied with, shape (outputs,).
     weights
         The other costs.
+    expected
+        What disturbances there are; by default the model's, constant.
 
     Returns
     -------
     Feedback
-        For the state (joints, rates, last commands, latest first) and the model's disturbances:
+        For the state (joints, rates, last commands, latest first) and the disturbances expected:
         command = planned - state gain @ state - disturbance gain @ disturbances.
     """
 
+    expected = expected or constant(model)
+
     def stage(step: int) -> Stage:
-        return _late(model, step, delays, outputs, weights)
+        return _late(model, step, delays, outputs, weights, expected)
 
     last = int(model.arrival.max())
     gains = recursion(stage, last + 1, stationary(stage(last)))
@@ -83,7 +133,14 @@ def regulator(model: LinearModel, delays: Delays, outputs: Array, weights: Weigh
     return gains
 
 
-def _late(model: LinearModel, step: int, delays: Delays, outputs: Array, weights: Weights) -> Stage:
+def _late(
+    model: LinearModel,
+    step: int,
+    delays: Delays,
+    outputs: Array,
+    weights: Weights,
+    expected: Disturbance,
+) -> Stage:
     """The systems at a step, with the commands that are on their way."""
     transition, push, disturbances, slopes = model.at(step)
     count, states = transition.shape[:2]
@@ -110,7 +167,7 @@ def _late(model: LinearModel, step: int, delays: Delays, outputs: Array, weights
     cost = np.zeros((count, size, size))
     scaled = slopes * outputs[:, None]
     cost[:, :joints, :joints] = scaled.swapaxes(1, 2) @ scaled + np.eye(joints) / weights.sway**2
-    forces = np.zeros((count, size, disturbances.shape[2]))
-    forces[:, :states] = disturbances
+    forces = np.zeros((count, size, expected.spread.shape[2]))
+    forces[:, :states] = disturbances @ expected.spread
     change = np.broadcast_to(np.eye(drives) / weights.change**2, (count, drives, drives))
-    return Stage(full, inputs, forces, cost, change)
+    return Stage(full, inputs, forces, expected.drift, cost, change)

@@ -1,8 +1,8 @@
 """Linear-quadratic regulators of many systems at once: Riccati's recursion, batched.
 
-P systems, over S steps, with constant but unknown disturbances w that nothing can hinder:
+P systems, over S steps, with disturbances w that nothing can hinder, constant or going round:
 
-    z' = F z + B v + G w,      cost = sum over steps of  z^T Q z + v^T R v
+    z' = F z + B v + G w,   w' = E w,      cost = sum over steps of  z^T Q z + v^T R v
 
     gains = recursion(stage, steps, stationary(stage(steps)))
     v = -(gains.state[k] @ z + gains.disturbance[k] @ w)
@@ -35,6 +35,8 @@ class Stage(NamedTuple):
     """B, shape (P, nz, nv)."""
     disturbances: Array
     """G, shape (P, nz, nw)."""
+    drift: Array
+    """E, shape (P, nw, nw), which lets nothing grow."""
     state_cost: Array
     """Q, shape (P, nz, nz), symmetric, not negative."""
     input_cost: Array
@@ -95,18 +97,23 @@ def stationary(stage: Stage) -> Ahead:
 
 
 def _mixed(stage: Stage, value: Array) -> Array:
-    """N where a stage lasts for ever: N = (F - B K)^T (V G + N)."""
+    """N where a stage lasts for ever: the limit of N = (F - B K)^T (V G + N E), by doubling."""
     _, gain, _, _ = _step(stage, Ahead(value, np.zeros_like(stage.disturbances)))
-    closed = _t(stage.transition - stage.inputs @ gain)
-    one = np.eye(closed.shape[-1])
-    return np.asarray(np.linalg.solve(one - closed, closed @ value @ stage.disturbances))
+    closed, drift = _t(stage.transition - stage.inputs @ gain), stage.drift
+    mixed = closed @ value @ stage.disturbances
+    for _ in range(DOUBLINGS):
+        change = closed @ mixed @ drift
+        mixed, closed, drift = mixed + change, closed @ closed, drift @ drift
+        if (np.abs(change) <= SETTLED * np.abs(mixed).max()).all():
+            break
+    return mixed
 
 
 def _step(stage: Stage, ahead: Ahead) -> tuple[Ahead, Array, Array, Array]:
     """One step back: the cost to come, the gains of state and disturbance, the weights."""
     pulled = _t(stage.inputs) @ ahead.state
     weights = stage.input_cost + pulled @ stage.inputs
-    pushed = ahead.state @ stage.disturbances + ahead.mixed
+    pushed = ahead.state @ stage.disturbances + ahead.mixed @ stage.drift
     wanted = np.concatenate((pulled @ stage.transition, _t(stage.inputs) @ pushed), axis=2)
     both: Array = np.asarray(np.linalg.solve(weights, wanted), dtype=np.float64)
     size = stage.transition.shape[-1]

@@ -104,7 +104,8 @@ def systems(seed=0):
     push, wind = generator.normal(size=(3, 4, 2)), generator.normal(size=(3, 4, 1))
     root = generator.normal(size=(3, 4, 4))
     cost = np.broadcast_to(np.diag((1.0, 0.3)), (3, 2, 2))
-    return Stage(forward, push, wind, root @ root.swapaxes(1, 2), cost)
+    one = np.ones((3, 1, 1))
+    return Stage(forward, push, wind, one, root @ root.swapaxes(1, 2), cost)
 
 
 def test_a_lasting_stage_has_the_regulator_of_scipy():
@@ -112,7 +113,7 @@ def test_a_lasting_stage_has_the_regulator_of_scipy():
     ahead = stationary(stage)
     gains = recursion(lambda step: stage, 2, ahead)
     for one in range(3):
-        forward, push, _, cost, effort = (part[one] for part in stage)
+        forward, push, _, _, cost, effort = (part[one] for part in stage)
         value = solve_discrete_are(forward, push, cost, effort)
         assert ahead.state[one] == pytest.approx(value, rel=1e-8)
         gain = np.linalg.solve(effort + push.T @ value @ push, push.T @ value @ forward)
@@ -130,7 +131,7 @@ def test_gains_against_disturbances_are_those_of_a_system_that_holds_them():
     push = np.concatenate((stage.inputs, np.zeros((3, 1, 2))), axis=1)
     cost = np.zeros((3, 5, 5))
     cost[:, :4, :4] = stage.state_cost
-    joined = Stage(full, push, np.zeros((3, 5, 0)), cost, stage.input_cost)
+    joined = Stage(full, push, np.zeros((3, 5, 0)), np.zeros((3, 0, 0)), cost, stage.input_cost)
     start = Ahead(cost, np.zeros((3, 5, 0)))
     long = recursion(lambda step: joined, 400, start).state[0]
     assert long[..., :4] == pytest.approx(gains.state[0], rel=1e-7)

@@ -22,7 +22,7 @@ import numpy as np
 
 from ...envs import CraneTask, Scenario
 from ...envs.crane.linearisation import FRICTIONS, Lineariser, planned
-from ...envs.crane.optimal_feedback import Weights, output_weights, regulator
+from ...envs.crane.optimal_feedback import Weights, output_weights, regulator, with_gusts
 from ...envs.crane.payloads import payloads
 from ...envs.crane.plan import CranePlan
 from ...envs.crane.taut_guard import TautBand
@@ -76,8 +76,10 @@ class CraneTeacher:
         self._delays = self._late if delay is None else np.full_like(self._late, delay)
         self._masses = np.array([scenario.load_mass for scenario in scenarios])
         model = lineariser.along(courses)
+        self._turns = 2.0 * np.pi * np.array([s.gust_frequency for s in scenarios])
+        expected = with_gusts(model, self._turns * task.period)
         outputs = output_weights(task.rig, task.scales, weights)
-        self._gains = regulator(model, self._delays, outputs, weights)
+        self._gains = regulator(model, self._delays, outputs, weights, expected)
         self._states = _padded([course.states for course in courses])
         self._inputs = _padded([course.inputs for course in courses])
         self._guard = TautBand(task)
@@ -100,7 +102,7 @@ class CraneTeacher:
         delays = np.array([scenario.delay for scenario in scenarios])
         if not (np.array_equal(masses, self._masses) and np.array_equal(delays, self._late)):
             raise ValueError("these scenarios have other loads or delays, make a new CraneTeacher")
-        names = ("wind", "gust", "gust_frequency", "gust_phase")
+        names = ("wind", "gust", "gust_phase")
         self._wind = np.array([[getattr(s, name) for name in names] for s in scenarios]).T
         headings = np.array([heading(self.task.rig, s.wind_direction) for s in scenarios])
         self._heading = headings[:, : self._axes]
@@ -118,7 +120,7 @@ class CraneTeacher:
         known = np.concatenate((state, self._on_the_way()), axis=1)
         gains, against, _ = self._gains
         feedback = np.matvec(self._now(gains), known)
-        feedback += np.matvec(self._now(against), np.hstack((self.wind(), self._friction)))
+        feedback += np.matvec(self._now(against), self._disturbances())
         return self._guard.keep(self._at(self._inputs, self._delays) - feedback)
 
     def sent(self, commands: Array) -> None:
@@ -139,10 +141,8 @@ class CraneTeacher:
 
     def wind(self) -> Array:
         """The wind's present force over the weight of what hangs, (n, dimensions - 1)."""
-        steady, gust, frequency, phase = self._wind
-        times = self.task.steps * self.task.period
-        force = steady + gust * np.sin(2.0 * np.pi * frequency * times + phase)
-        return np.asarray((force / self._weight)[:, None] * self._heading)
+        steady, gust, _ = self._winds()
+        return steady + gust
 
     def truth(self) -> dict[str, Array]:
         """What a student has to guess, each (n, entries).
@@ -157,6 +157,19 @@ class CraneTeacher:
             "offset": self.load_errors,
             "delay": self._late[:, None].astype(float),
         }
+
+    def _winds(self) -> tuple[Array, Array, Array]:
+        """Over the weight, (n, dimensions - 1) each: steady wind, gust, and where that goes."""
+        steady, gust, phase = self._wind
+        phases = self._turns * self.task.period * self.task.steps + phase
+        forces = steady, gust * np.sin(phases), gust * np.cos(phases)
+        first, second, third = (f[:, None] * self._heading / self._weight for f in forces)
+        return first, second, third
+
+    def _disturbances(self) -> Array:
+        """Present disturbances of the regulator, (n, entries)."""
+        steady, gust, companion = self._winds()
+        return np.hstack((steady, self._friction, gust, companion))
 
     def _on_the_way(self) -> Array:
         """The last commands minus those of the exact feedforward, latest first, (n, entries)."""
