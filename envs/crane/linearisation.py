@@ -31,7 +31,7 @@ from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import NOTHING
 from .friction_forces import Places
-from .outputs import Outputs
+from .outputs import Outputs, sources
 from .payloads import payloads, reloaded
 from .plan import CranePlan
 
@@ -47,6 +47,8 @@ over the weight, in which a period is affine but for what the deviation itself c
 SHARP = 0.01
 """Speed at which friction has three quarters of its size [m/s, rad/s]: it has a direction only
 where something is planned to move."""
+ENDLESS = 1e3
+"""Room of a trolley whose rail has no end [m]."""
 ROOM = 1024
 """About how many simulations run side by side."""
 
@@ -96,6 +98,10 @@ class LinearModel:
     """[A B G], shape (P, M, states, states + inputs + disturbances)."""
     outputs: Array
     """H, shape (P, M, outputs, joints)."""
+    rooms: Array
+    """How far each trolley is from the nearer end of its rail, shape (P, M, trolleys) [m]."""
+    trolleys: Array
+    """What joints add to each trolley's place, shape (trolleys, joints)."""
     stride: int
     """Steps from one knot to the next; the last may be nearer."""
     inputs: int
@@ -113,20 +119,20 @@ class LinearModel:
         """Number of joints and rates."""
         return int(self.transition.shape[2])
 
-    def at(self, step: int) -> tuple[Array, Array, Array, Array]:
-        """A, B, G and H of every course at a step, shapes (P, ...)."""
+    def at(self, step: int) -> tuple[Array, Array, Array, Array, Array]:
+        """A, B, G, H and the trolleys' rooms of every course at a step, shapes (P, ...)."""
         courses = np.arange(len(self.knots))
         last = self.knots.shape[1] - 1
         before = np.minimum(step // self.stride, last)
         after = min(before + 1, last)
         first, second = self.knots[:, before], self.knots[:, after]
-        share = np.clip((step - first) / np.maximum(second - first, 1), 0.0, 1.0)[:, None, None]
-        parts = [
-            table[courses, before] * (1.0 - share) + table[courses, after] * share
-            for table in (self.transition, self.outputs)
-        ]
+        share = np.clip((step - first) / np.maximum(second - first, 1), 0.0, 1.0)
+        transition, outputs, rooms = (
+            table[courses, before] + (part * (table[courses, after] - table[courses, before]).T).T
+            for table, part in ((t, share) for t in (self.transition, self.outputs, self.rooms))
+        )
         ends = self.states, self.states + self.inputs
-        return (*np.split(parts[0], ends, axis=2), parts[1])
+        return (*np.split(transition, ends, axis=2), outputs, rooms)
 
 
 class Lineariser:
@@ -193,8 +199,15 @@ class Lineariser:
         rows = first[:, None] + np.minimum(np.arange(most), np.array(counts)[:, None] - 1)
         return LinearModel(
             np.concatenate(knots)[rows].astype(float), transition[rows], outputs[rows],
-            stride, self._drives, self.axes,
+            self._rooms(states)[rows], self._trolleys, stride, self._drives, self.axes,
         )  # fmt: skip
+
+    def _rooms(self, states: Array) -> Array:
+        """How far trolleys are from the ends of their rails, (N, trolleys)."""
+        places = states[:, : self.model.nv] @ self._trolleys.T
+        rails = [self.rig.rail(trolley.rail) for trolley in self.rig.trolleys]
+        starts, ends = np.array([(rail.start, rail.end) for rail in rails]).reshape(-1, 2).T
+        return np.asarray(np.minimum(np.minimum(places - starts, ends - places), ENDLESS))
 
     def at(self, states: Array, inputs: Array, load_masses: Array) -> tuple[Array, Array]:
         """[A B G] and H at N points.
@@ -229,6 +242,10 @@ class Lineariser:
         self._inertias = batch.expand("body_inertia") if self.rig.platforms else None
         self._outputs = Outputs(self.rig, self.model, batch, rates=False)
         self._at = Places(self.rig, self.model)
+        self._trolleys = np.zeros((len(self.rig.trolleys), self.model.nv))
+        for row, trolley in enumerate(self.rig.trolleys):
+            for _, joint, factor in sources(self.rig, self.model)[trolley.coordinate]:
+                self._trolleys[row, joint] += factor
 
     def _some(self, states: Array, inputs: Array, load_masses: Array) -> tuple[Array, Array]:
         """The same for as many points as there is room for."""

@@ -4,7 +4,11 @@ A command sent at step k acts d steps later.  So that d is part of the system, i
 deviations of joints and rates, and those of the last max(1, d) commands, the latest first.  What is
 chosen is the change of the command, v_k - v_(k-1): a steady command costs nothing.
 
-    cost = |outputs / error|^2 + |joints / sway|^2 + |change / change|^2
+    cost = |outputs / error|^2 + |joints / sway|^2 + |change / change|^2 + |trolleys / room|^2
+
+A trolley costs something only where it comes near an end of its rail: where it has less room than
+the reach it may need against wind, room = error / sqrt(reach / room left - 1).  Against a steady
+wind it then uses the room that is left and leaves the load that much aside.
 
 Outputs count in metres, angles times their lever.  Where some outputs are coordinates of what the
 crane carries, the others (a free pulley's height, a spread) count by `other`.
@@ -13,7 +17,7 @@ Disturbances that are expected, constant ones and gusts that go round, are `Dist
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +34,12 @@ Delays = NDArray[np.int64]
 """Control periods between command and input, shape (P,)."""
 
 
+REACH = 0.06
+"""How far a trolley goes to hold its load against a strong wind, over the rope's length."""
+NEAREST = 1e-3
+"""A trolley counts as so far from the end of its rail at the least [m]."""
+
+
 @dataclass(frozen=True)
 class Weights:
     """How large a deviation is that costs 1."""
@@ -42,6 +52,16 @@ class Weights:
     """Of each joint [m, rad]."""
     change: float = 0.02
     """Of a command in one period, over the limits."""
+    reach: float = 0.0
+    """How far trolleys go at the most, for the cost near the ends of rails [m]."""
+
+    @classmethod
+    def of(cls, rig: Rig, scales: Scales) -> Self:
+        """Those that suit a rig: a free pulley moves so that linear models hold nearby only."""
+        reach = REACH * scales.length
+        if rig.pulleys:
+            return cls(error=0.02, sway=0.1, reach=reach)
+        return cls(reach=reach)
 
 
 class Disturbance(NamedTuple):
@@ -120,7 +140,6 @@ def regulator(
         For the state (joints, rates, last commands, latest first) and the disturbances expected:
         command = planned - state gain @ state - disturbance gain @ disturbances.
     """
-
     expected = expected or constant(model)
 
     def stage(step: int) -> Stage:
@@ -142,7 +161,7 @@ def _late(
     expected: Disturbance,
 ) -> Stage:
     """The systems at a step, with the commands that are on their way."""
-    transition, push, disturbances, slopes = model.at(step)
+    transition, push, disturbances, slopes, rooms = model.at(step)
     count, states = transition.shape[:2]
     drives, memory = push.shape[2], max(1, int(delays.max()))
     size = states + memory * drives
@@ -167,6 +186,9 @@ def _late(
     cost = np.zeros((count, size, size))
     scaled = slopes * outputs[:, None]
     cost[:, :joints, :joints] = scaled.swapaxes(1, 2) @ scaled + np.eye(joints) / weights.sway**2
+    short = np.maximum(weights.reach / np.maximum(rooms, NEAREST) - 1.0, 0.0) / weights.error**2
+    trolleys = model.trolleys
+    cost[:, :joints, :joints] += trolleys.T @ (short[..., None] * trolleys)
     forces = np.zeros((count, size, expected.spread.shape[2]))
     forces[:, :states] = disturbances @ expected.spread
     change = np.broadcast_to(np.eye(drives) / weights.change**2, (count, drives, drives))

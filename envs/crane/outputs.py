@@ -31,7 +31,7 @@ class Outputs:
         num = batch.nsim
         free = [*(part.name for part in rig.loads), *(part.name for part in rig.platforms)]
         sites = [model.site(index).name for index in range(model.nsite)]
-        where = _sources(rig, model, sites)
+        where = sources(rig, model)
         self._terms = [
             [
                 (source, column, factor * share)
@@ -101,8 +101,9 @@ def levers(rig: Rig, scales: Scales) -> Array:
     return np.array([lever[output] for output in rig.outputs])
 
 
-def _sources(rig: Rig, model: mujoco.MjModel, sites: list[str]) -> dict[str, list[Term]]:
+def sources(rig: Rig, model: mujoco.MjModel) -> dict[str, list[Term]]:
     """Where every coordinate is read, by name."""
+    sites = [model.site(index).name for index in range(model.nsite)]
     where: dict[str, list[Term]] = {
         name: [("joint", model.joint(name).id, 1.0)] for name in joint_names(rig)
     }

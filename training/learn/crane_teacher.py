@@ -30,9 +30,6 @@ from ...envs.crane.wind import heading
 from ...models.types import Array
 from ..compare.crane_runner import carried
 
-BALANCE = Weights()
-"""Weights of a teacher's regulator."""
-
 
 class CraneTeacher:
     """What to send to n simulations of a task, each with its plan and scenario.
@@ -46,7 +43,7 @@ class CraneTeacher:
     lineariser
         Makes the linear models; one may serve many teachers of a rig.
     weights
-        Of the regulator.
+        Of the regulator; by default those that suit the rig.
     delay
         Of commands, with which it counts [periods]; every plant's own if left out.
 
@@ -63,7 +60,7 @@ class CraneTeacher:
         scenarios: Sequence[Scenario],
         *,
         lineariser: Lineariser | None = None,
-        weights: Weights = BALANCE,
+        weights: Weights | None = None,
         delay: int | None = None,
     ) -> None:
         self.task, self._plans = task, list(plans)
@@ -78,6 +75,7 @@ class CraneTeacher:
         model = lineariser.along(courses)
         self._turns = 2.0 * np.pi * np.array([s.gust_frequency for s in scenarios])
         expected = with_gusts(model, self._turns * task.period)
+        weights = weights or Weights.of(task.rig, task.scales)
         outputs = output_weights(task.rig, task.scales, weights)
         self._gains = regulator(model, self._delays, outputs, weights, expected)
         self._states = _padded([course.states for course in courses])
@@ -88,20 +86,6 @@ class CraneTeacher:
         self._axes = lineariser.axes
         self._weight = task.rig.gravity * sum(part.mass for part in payloads(task.rig))
         self._places, _ = carried(task.rig)
-        self.follow(scenarios)
-
-    def follow(self, scenarios: Sequence[Scenario]) -> None:
-        """Take scenarios with the same loads and delays, but other winds, frictions or encoders.
-
-        Raises
-        ------
-        ValueError
-            Loads or delays differ.
-        """
-        masses = np.array([scenario.load_mass for scenario in scenarios])
-        delays = np.array([scenario.delay for scenario in scenarios])
-        if not (np.array_equal(masses, self._masses) and np.array_equal(delays, self._late)):
-            raise ValueError("these scenarios have other loads or delays, make a new CraneTeacher")
         names = ("wind", "gust", "gust_phase")
         self._wind = np.array([[getattr(s, name) for name in names] for s in scenarios]).T
         headings = np.array([heading(self.task.rig, s.wind_direction) for s in scenarios])
