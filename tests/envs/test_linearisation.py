@@ -6,6 +6,7 @@ from scipy.linalg import solve_discrete_are
 
 from flatrig import models
 from flatrig.envs import CraneTask, Disturbances, Scenario, design
+from flatrig.envs.controllers import PDLaw
 from flatrig.envs.crane.linearisation import Lineariser, planned
 from flatrig.envs.crane.optimal_feedback import Weights, output_weights, regulator
 from flatrig.envs.crane.plan import feedforward_with, make_plan
@@ -201,13 +202,11 @@ def test_the_teacher_beats_feedforward_and_feedback_with_the_true_mass():
     plans = [plan] * len(scenarios)
     task = CraneTask(rig, num=len(plans), disturbances="standard", timestep=5e-3, nthread=1)
     teacher = CraneTeacher(task, plans, scenarios)
-    gains = task.gains()
+    feedback = PDLaw(task, task.gains(), moving=True, hold=False).feedback
     exact = np.array([feedforward_with(rig, plan, s.load_mass) for s in scenarios])
 
     def pd():
-        errors = task.encoders.errors
-        feedback = errors[:, :2] * gains.stiffness + errors[:, 2:] * gains.damping
-        return exact[np.arange(task.num), task.steps] + feedback / task.limits
+        return exact[np.arange(task.num), task.steps] + feedback()
 
     base = drive(task, plans, scenarios, pd)
     teacher.reset()

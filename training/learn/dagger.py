@@ -10,7 +10,7 @@ and makes errors count most where loads are hard to bring back.
 """
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -116,9 +116,11 @@ class Training:
     def teacher(self, room: Classroom, episodes: Sequence[Episode]) -> CraneTeacher:
         """A teacher of episodes in a room."""
         plans, scenarios = zip(*episodes, strict=True)
+        suited = Weights.of(self.rig, room.task.scales)
+        weights = replace(suited, change=self.settings.change or CHANGES[self.sensors])
         return CraneTeacher(
             room.task, plans, scenarios, lineariser=self._lineariser, delay=self.settings.delay,
-            weights=Weights(change=self.settings.change or CHANGES[self.sensors]),
+            weights=weights,
         )  # fmt: skip
 
     def finish(self) -> tuple[float, float]:
