@@ -9,12 +9,14 @@ says so once an episode.
 """
 
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..envs import PD, Feedforward, MassEstimate, TautGuard
+from ..envs.controllers import PDLaw
 from ..envs.crane.mass_estimate import MassLaw
 from ..envs.crane.task import CraneTask
 from ..envs.episodes import AnyTask
@@ -110,13 +112,25 @@ def LearnedResidual(env: AnyEnv, policy: Policy | str | None = None) -> Any:
         policy, options = _shipped_for(task), {}
     else:
         options = {"policy": policy}
-    masses = [law for law in laws_of(env) if isinstance(law, MassLaw)]
+    laws = list(laws_of(env))
+    masses = [law for law in laws if isinstance(law, MassLaw)]
+    _check_feedback(policy.card, laws)
     if isinstance(task, CraneTask) and not masses:
         raise OptionError(
             "LearnedResidual was trained on top of MassEstimate(Feedforward(PD(env))), there is no "
             "MassEstimate below it"
         )
     return wrap(env, LearnedLaw(task, policy, masses[0] if masses else None), **options)
+
+
+def _check_feedback(card: Card, laws: Sequence[Law]) -> None:
+    """The PD below is the one that the policy was trained on."""
+    for law in laws:
+        if isinstance(law, PDLaw) and not np.allclose(law.gains, card.gains, rtol=1e-4):
+            raise OptionError(
+                f"the policy for {card.plant} was trained on a PD with other gains than the one "
+                "below it; take PD(env) with its own, or train one for these"
+            )
 
 
 def base_controller(env: AnyEnv) -> Any:

@@ -52,6 +52,8 @@ class Card:
     """Names of the drives."""
     time_constants: tuple[float, ...]
     """Time constants of the features' filters [s]."""
+    gains: tuple[float, ...]
+    """Stiffness and damping of the PD below, each drive alone at home, over the limits."""
     units: tuple[float, ...]
     """Input of each drive for which its action is 1, over its limit."""
     reach: float
@@ -73,7 +75,16 @@ class Card:
     """Version of the files."""
 
     def __post_init__(self) -> None:
-        for name in ("rate", "time_constants", "units", "reach", "usual", "gate", "speeds"):
+        for name in (
+            "rate",
+            "time_constants",
+            "gains",
+            "units",
+            "reach",
+            "usual",
+            "gate",
+            "speeds",
+        ):
             values = getattr(self, name)
             for value in values if isinstance(values, tuple) else (values,):
                 bounded(name, value, above=0.0)
@@ -81,6 +92,8 @@ class Card:
         for name in ("units", "usual", "speeds"):
             if len(getattr(self, name)) != drives:
                 raise ValueError(f"{len(getattr(self, name))} {name} for {drives} drives")
+        if len(self.gains) != 2 * drives:
+            raise ValueError(f"{len(self.gains)} gains for {drives} drives")
         if len(self.gate) != 3 or len(self.box) != 2 or len(self.box[1]) != outputs:
             raise ValueError("gate and box must be three numbers and two corners")
         if not np.isfinite(np.array(self.box, dtype=float)).all():

@@ -27,10 +27,14 @@ def feature_names() -> tuple[str, ...]:
     return features_of(env.unwrapped.task, mass, np.ones(2), (0.2, 1.0)).names  # type: ignore[arg-type]
 
 
+LIMITS = np.array([drive.limit for drive in RIG.drives])
+GAINS = tuple(np.concatenate([g / LIMITS for g in envs.CraneTask(RIG).gains()[:2]]).tolist())
+
 CARD = Card(
     plant=RIG.name, fingerprint=fingerprint(RIG), sensors="encoders", rate=50.0,
     feature_names=feature_names(), action_names=("trolley", "winch"), time_constants=(0.2, 1.0),
-    units=(0.05, 0.02), reach=2.0, usual=(0.02, 0.01), gate=(0.1, 0.5, 10.0), speeds=(5.0, 5.0),
+    gains=GAINS, units=(0.05, 0.02), reach=2.0, usual=(0.02, 0.01), gate=(0.1, 0.5, 10.0),
+    speeds=(5.0, 5.0),
     box=((-1.0, -5.0), (6.0, -1.0)), heads=("mass", "wind"), training={"seed": 3},
 )  # fmt: skip
 
@@ -252,6 +256,13 @@ def test_a_policy_for_something_else_is_refused(
     env = base_controller(envs.CraneEnv(RIG, **options))
     with pytest.raises(OptionError, match=message):
         LearnedResidual(env, random_policy(**changes))
+
+
+def test_a_residual_wants_the_gains_that_it_was_trained_on() -> None:
+    env = envs.CraneEnv(RIG)
+    env = envs.MassEstimate(envs.Feedforward(envs.PD(envs.TautGuard(env), stiffness=[900.0, 50.0])))
+    with pytest.raises(OptionError, match="was trained on a PD with other gains"):
+        LearnedResidual(env, random_policy())
 
 
 def test_a_residual_wants_the_controllers_that_it_was_trained_on() -> None:

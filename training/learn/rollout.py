@@ -110,6 +110,8 @@ class Classroom:
         self._laws = list(laws_of(env))
         self.mass = next(law for law in self._laws if isinstance(law, MassLaw))
         self._feedback = next(law for law in self._laws if isinstance(law, PDLaw))
+        self.gains = self._feedback.gains
+        """Gains of the PD below, each drive alone at home, over the limits."""
         self._places, _ = carried(rig)
         self.heads = head_names(rig, len(self._places))
         """What `Seen.truth` holds."""
