@@ -36,6 +36,8 @@ class Command:
     """For a command about one crane."""
     hand: str = ""
     """The same about one hand; "" if the command is for cranes only."""
+    every: str = ""
+    """The same about "all"; "" if the command is about one."""
 
     def __call__(self, options: Any) -> int:
         """Run the command; returns the exit status.
@@ -45,7 +47,10 @@ class Command:
         OptionError
             A hand is named, and the command is for cranes only.
         """
-        place = self.main or (self.hand if is_hand(options.rig) else self.crane)
+        if self.every and options.rig == "all":
+            place = self.every
+        else:
+            place = self.main or (self.hand if is_hand(options.rig) else self.crane)
         if not place:
             raise OptionError(f"{options.rig} is a hand; this command is for cranes only")
         module, _, function = place.partition(":")
@@ -57,12 +62,14 @@ COMMANDS: dict[type, Command] = {}
 
 
 @dataclass_transform(frozen_default=True)
-def command(main: str = "", *, crane: str = "", hand: str = "") -> Callable[[type[T]], type[T]]:
+def command(
+    main: str = "", *, crane: str = "", hand: str = "", every: str = ""
+) -> Callable[[type[T]], type[T]]:
     """Make a class of options a frozen dataclass and a command; parameters are as of `Command`."""
 
     def register(options: type[T]) -> type[T]:
         options = dataclass(frozen=True)(options)
-        COMMANDS[options] = Command(main, crane, hand)
+        COMMANDS[options] = Command(main, crane, hand, every)
         return options
 
     return register

@@ -61,10 +61,17 @@ class Solve(RigOptions):
     """Write it even if the rig cannot make the move."""
 
 
-@command(crane=".compare.compare_cranes:main", hand=".compare.compare_hands:main")
+@command(
+    crane=".compare.compare_cranes:main",
+    hand=".compare.compare_hands:main",
+    every=".compare.compare_all:main",
+)
 class Compare(RigOptions):
-    """Set PD, feedforward and residual side by side over many disturbed scenarios."""
+    """Set classical and learned controllers side by side over many disturbed scenarios."""
 
+    rig: Positional[str]
+    """Name in the catalogue ("overhead" is short for overhead_crane), a TOML file, or "all" for one
+    table of all cranes and hands."""
     scenarios: int = 100
     """Number of scenarios of the own move."""
     episodes: int = 0
@@ -80,7 +87,36 @@ class Compare(RigOptions):
     """Policy to use as residual (.json); the shipped one if left out."""
     output: Output = ""
     """Folder for the tables and the figure; results/compare-RIG if left out."""
+    page: str = ""
+    """Of all: Markdown file to write, too, with its figure in the folder images beside its own."""
+    processes: int = 1
+    """Of all: number of processes that run side by side."""
+    resume: bool = False
+    """Of all: keep what an interrupted run has left in the folder."""
     json: Json = False
+
+    def check_numbers(self) -> None:
+        """Refuse numbers that no comparison can have.
+
+        Raises
+        ------
+        OptionError
+            Naming the option.
+        """
+        check_number("--scenarios", self.scenarios, lowest=1, open_end=False)
+        check_number("--episodes", self.episodes, open_end=False)
+        check_number("--processes", self.processes, lowest=1, open_end=False)
+
+    def check_one(self) -> None:
+        """The same for one crane or hand, for which some options are not."""
+        self.check_numbers()
+        for name, given in (
+            ("page", self.page), ("resume", self.resume), ("processes", self.processes > 1)
+        ):  # fmt: skip
+            if given:
+                raise OptionError(
+                    f"--{name} is for `flatrig compare all`, not for {self.rig} alone"
+                )
 
 
 @command(crane=".learn.train:main")

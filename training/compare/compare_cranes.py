@@ -68,8 +68,7 @@ NOTES = (
 def main(command: options.Compare) -> int:
     """Compare, print the table, and save tables and figure."""
     rig, move = command.target()
-    options.check_number("--scenarios", command.scenarios, lowest=1, open_end=False)
-    options.check_number("--episodes", command.episodes, open_end=False)
+    command.check_one()
     sets_of(command.sets)
     folder = Path(command.output or f"results/compare-{command.label()}")
     policies = policies_for(rig, command.policy)
@@ -90,8 +89,12 @@ def episodes_for(
     """The episodes that are asked for, by their sets, and why some sets are left out."""
     if command.nominal:
         return {OWN: [Episode(move, Scenario())]}, []
-    count = command.episodes or ceil(OTHERS * command.scenarios)
-    return gather(rig, move, command.scenarios, count, command.sets)
+    return gather(rig, move, command.scenarios, number_of(command), command.sets)
+
+
+def number_of(command: options.Compare) -> int:
+    """Number of episodes in sets other than that with the own move."""
+    return command.episodes or ceil(OTHERS * command.scenarios)
 
 
 def compare(
@@ -100,6 +103,7 @@ def compare(
     policies: Mapping[str, Policy],
     keep: Path | None = None,
     left_out: Sequence[str] = (),
+    bar: bool = True,
 ) -> Comparison:
     """Drive the episodes of all sets with every contender.
 
@@ -115,6 +119,8 @@ def compare(
         Folder for the trajectories of every contender; None keeps none.
     left_out
         Sets that the rig cannot make, and why.
+    bar
+        Whether a terminal shows a bar of progress.
 
     Raises
     ------
@@ -138,7 +144,7 @@ def compare(
             write_trajectories(keep, entry.name, record, episodes)
         return {name: run_of(entry, part) for name, part in parts_of(record, episodes)}
 
-    driven, absent = drive_all("crane", drive, policies)
+    driven, absent = drive_all("crane", drive, policies, bar)
     sets = {
         name: OnSet(SETS[name].title, chosen, [runs[name] for runs in driven])
         for name, chosen in episodes.items()

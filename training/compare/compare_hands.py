@@ -20,7 +20,7 @@ from ...envs import HandDisturbances, HandScenario, HandVectorEnv, hand_design
 from ...envs.hand.goals import DURATION
 from ...envs.hand.observation import pose_error
 from ...models import Hand, HandMove
-from ...models.errors import PathError
+from ...models.errors import OptionError, PathError
 from ...models.files import make_folder
 from ...models.types import Array
 from .. import options
@@ -83,7 +83,9 @@ class HandMetrics:
 def main(command: options.Compare) -> int:
     """Compare, print the table, and save tables and figure."""
     hand, move = command.hand_target()
-    options.check_number("--scenarios", command.scenarios, lowest=1, open_end=False)
+    command.check_one()
+    if command.sets or command.episodes or command.trajectories:
+        raise OptionError("--sets, --episodes and --trajectories are for cranes")
     if command.duration is None:
         move = replace(move, duration=DURATION)
     disturbances = HandDisturbances.standard(hand)
@@ -102,7 +104,9 @@ def main(command: options.Compare) -> int:
     return DONE
 
 
-def compare(hand: Hand, move: HandMove, scenarios: Sequence[HandScenario]) -> Comparison:
+def compare(
+    hand: Hand, move: HandMove, scenarios: Sequence[HandScenario], *, bar: bool = True
+) -> Comparison:
     """Drive the scenarios with every contender that needs no policy: none is for a hand."""
     env = cache(
         lambda sensors: HandVectorEnv(
@@ -112,6 +116,7 @@ def compare(hand: Hand, move: HandMove, scenarios: Sequence[HandScenario]) -> Co
     runs, absent = drive_all(
         "hand",
         lambda entry: drive(env(entry.sensors), entry, scenarios, move.duration),
+        bar=bar,
     )
     return Comparison(
         kind="hand",

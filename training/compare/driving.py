@@ -14,18 +14,23 @@ Driven = TypeVar("Driven")
 
 
 def drive_all(
-    plant: Plant, drive: Callable[[Contender], Driven], policies: Container[str] = ()
+    plant: Plant,
+    drive: Callable[[Contender], Driven],
+    policies: Container[str] = (),
+    bar: bool = True,
 ) -> tuple[list[Driven], list[Contender]]:
     """What every contender for a plant did, and those left out.
 
-    The latter are the learned ones whose sensors are not among those with `policies`.
+    The latter are the learned ones whose sensors are not among those with `policies`.  A terminal
+    shows a bar of progress meanwhile, unless there is to be none.
     """
     contenders = contenders_for(plant)
     absent = [entry for entry in contenders if entry.learned and entry.sensors not in policies]
     running = [entry for entry in contenders if entry not in absent]
     out = console(stderr=True)
-    bar = track(running, "Driving", transient=True, console=out, disable=not out.is_terminal)
-    return [drive(entry) for entry in bar], absent
+    hidden = not (bar and out.is_terminal)
+    entries = track(running, "Driving", transient=True, console=out, disable=hidden)
+    return [drive(entry) for entry in entries], absent
 
 
 def periods(

@@ -7,7 +7,11 @@ from typing import Any
 import numpy as np
 
 from .. import plots
+from .contenders import BASE
 from .runs import Comparison, Run
+
+OTHERS = "#b0b0b0"
+"""Colour of runs without one of their own."""
 
 
 def draw(comparison: Comparison, path: Path) -> None:
@@ -21,14 +25,17 @@ def draw(comparison: Comparison, path: Path) -> None:
     runs, times = comparison.runs, comparison.runs[0].times
     drawn, (left, right) = plots.figure(10.0, 4.4, ncols=2, width_ratios=(1.55, 1.0))
     plots.heading(drawn, comparison.heading.replace("_", " "))
-    colours = [plots.COLOURS[i % len(plots.COLOURS)] for i in range(len(runs))]
-    for run, colour in zip(runs, colours, strict=True):
+    shown = _shown(runs)
+    palette = dict(zip((run.name for run in shown), plots.COLOURS, strict=False))
+    colours = [palette.get(run.name, OTHERS) for run in runs]
+    for run in shown:
+        colour = palette[run.name]
         low, middle, high = 1e3 * np.percentile(run.distance, (10, 50, 90), axis=1)
         left.fill_between(times, low, high, color=colour, alpha=0.16, linewidth=0)
         left.plot(times, middle, color=colour, linewidth=1.8, label=run.name)
     left.set_yscale("log")
     # The start, at rest on the reference, would stretch the axis down to rounding errors.
-    lowest = min(float(np.median(run.distance, axis=1)[len(times) // 20 :].min()) for run in runs)
+    lowest = min(float(np.median(run.distance, axis=1)[len(times) // 20 :].min()) for run in shown)
     left.set_ylim(bottom=1e3 * max(lowest, 1e-7) / 4.0)
     left.axvline(comparison.arrival, color="#404040", linewidth=0.9, linestyle=(0, (4, 3)))
     left.annotate(
@@ -42,6 +49,18 @@ def draw(comparison: Comparison, path: Path) -> None:
     _draw_spread(right, runs, colours)
     plots.title(right, "Each dot is a scenario; bar: middle half" if many else "Over move and hold")
     plots.save(drawn, path)
+
+
+def _shown(runs: Sequence[Run]) -> Sequence[Run]:
+    """The runs whose errors over time are told apart by colours: all, or the most telling ones."""
+    most = len(plots.COLOURS)
+    if len(runs) <= most:
+        return runs
+    by_error = sorted(runs, key=lambda run: float(run.metrics.rmse.mean()))
+    ranked = [run for run in by_error if run.contender.learned]
+    ranked += [run for run in runs if run.name == BASE]
+    ranked += [run for run in by_error if run not in ranked]
+    return [run for run in runs if run in ranked[:most]]
 
 
 def _draw_spread(axes: Any, runs: Sequence[Run], colours: Sequence[str]) -> None:
