@@ -157,23 +157,27 @@ class Fingerprint(RigOptions):
 class Bench:
     """Measure the solver, the environments and the accuracy in MuJoCo on this machine."""
 
-    topic: Positional[Literal["speed", "feedforward"]] = "speed"
-    """"feedforward": the error of every formulation and scheme against its run time instead."""
+    topic: Positional[Literal["speed", "feedforward", "cranebench"]] = "speed"
+    """"feedforward": the error of every formulation and scheme against its run time instead;
+    "cranebench": flatrig's controllers beside those of that benchmark, in its plant and wind."""
     repetitions: int = 15
     """Repetitions of each timing of "speed"."""
+    samples: int = 100
+    """Samples of each campaign of "cranebench"."""
     rig: tuple[str, ...] = ()
-    """Rigs of the catalogue for "feedforward", as all options below; every rig if left out."""
+    """Rigs of the catalogue for "feedforward", as the two options below; every rig if left out."""
     formulation: tuple[str, ...] = ()
     """Names of formulations ("minimal extension"); all if left out."""
     scheme: tuple[str, ...] = ()
     """Names of schemes ("BDF 3") and of peers ("CasADi IDAS"); all if left out."""
     processes: int = 2
-    """Number of processes that run side by side."""
+    """Number of processes that run side by side, except for "speed"."""
     output: Output = ""
-    """Folder for tables and figures, results/bench if left out; or a PNG file for one figure of
-    one rig (the rotary crane)."""
+    """Folder for tables and figures, results/bench or results/cranebench if left out; or for
+    "feedforward" a PNG file for one figure of one rig (the rotary crane)."""
     resume: bool = False
     """Keep what an interrupted run has left in that folder."""
+    json: Json = False
 
 
 @command(".bench.accuracy:main")

@@ -11,7 +11,7 @@ ROOMS = ("models", "feedforward", "envs", "training")
 """Folders of the package whose sources may decide on a value."""
 SOURCES = (".py", ".json", ".safetensors")
 """Endings of these sources: code, and the policies that it reads."""
-LIBRARIES = ("mujoco", "numpy", "scipy", "gymnasium", "casadi", "scikit-sundae")
+LIBRARIES = ("mujoco", "numpy", "scipy", "gymnasium", "casadi", "scikit-sundae", "cranebench")
 """Libraries whose versions may, too; those that are not installed count as that."""
 
 

@@ -1,6 +1,6 @@
 """`flatrig bench`: how fast and how accurate, with the goals beside the numbers.
 
-`flatrig bench feedforward` is `error_against_time`.
+`flatrig bench feedforward` is `error_against_time`, `flatrig bench cranebench` is `in_cranebench`.
 
 Ratios compare two things in one run on one machine: they are timed in turns, and the median over
 the repetitions is taken, so that other load on the machine hits both alike.
@@ -51,19 +51,31 @@ ENVIRONMENTS = 64
 """Environments in a vector."""
 STEPS = 100
 """Control periods timed at once."""
+TOPICS = {
+    **dict.fromkeys(("rig", "formulation", "scheme"), ("feedforward",)),
+    **dict.fromkeys(("output", "resume"), ("feedforward", "cranebench")),
+    **dict.fromkeys(("samples", "json"), ("cranebench",)),
+}
+"""Topics that an option is for, where it is not for all."""
 
 
 def main(command: options.Bench) -> None:
     """Print all tables; of another topic, those of its module."""
     options.check_number("--repetitions", command.repetitions)
+    for name, topics in TOPICS.items():
+        if command.topic not in topics and getattr(command, name) != getattr(options.Bench, name):
+            known = " or ".join(f"`flatrig bench {topic}`" for topic in topics)
+            raise OptionError(f"--{name} is for {known}")
     if command.topic == "feedforward":
         from . import error_against_time
 
         error_against_time.main(command)
         return
-    for name in ("rig", "formulation", "scheme", "output", "resume"):
-        if getattr(command, name):
-            raise OptionError(f"--{name} is for `flatrig bench feedforward`")
+    if command.topic == "cranebench":
+        from . import in_cranebench
+
+        in_cranebench.main(command)
+        return
     out = console()
     out.print(feedforward_table(command.repetitions))
     out.print(environment_table(command.repetitions))
