@@ -11,7 +11,6 @@ What a description has no words for, cranebench adds: viscous friction of both d
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -152,12 +151,13 @@ class Task:
     def __init__(self, rig: Rig, plans: Sequence[CranePlan], period: float, *, loads: bool) -> None:
         self.rig, self.plans, self.period, self.num = rig, plans, period, len(plans)
         self.limits = np.array([drive.limit for drive in rig.drives])
-        self.planner = SimpleNamespace(fixed=None)
+        self.plant = Plant(rig, 1, timestep=period, substeps=1, nthread=1)
         self.steps = np.zeros(self.num, dtype=np.int64)
         self.readings = Readings(self.num)
         self.rows = Rows(layout_of(rig), self.num, None)
         self.rows.follow(np.arange(self.num), plans)
-        self.encoders = Encoders(self.readings, period)  # type: ignore[arg-type]
+        readings: Any = self.readings
+        self.encoders = Encoders(readings, period)
         self.loads = LoadErrors(self.readings, self.rows) if loads else None
         self.commands = np.zeros((self.num, 2))
 
@@ -169,24 +169,25 @@ class Task:
         self.encoders.step(self.rows.parts["drives"])
 
 
-MakeLaws = Callable[[Task, Any], list[Law]]
-"""Controllers of a task, from the top down, for cranes of these `PlanarParams`."""
+MakeLaws = Callable[[Any, Any], list[Law]]
+"""Controllers of a `Task`, from the top down, for cranes of these `PlanarParams`."""
 
 
-def feedback_laws(task: Task, crane: Any) -> list[Law]:
+def feedback_laws(task: Any, crane: Any) -> list[Law]:
     """`MassEstimate(FrictionCompensation(Feedforward(PD)))`, from the top down."""
-    feedback = PDLaw(task, gains_of(_nominal(task.rig)), moving=True, hold=True)  # type: ignore[arg-type]
-    viscous = [Friction(0.0, viscous=crane.b_x), Friction(0.0, viscous=crane.b_l)]
-    laws = [
-        MassLaw(task, feedback, RATE),  # type: ignore[arg-type]
-        CompensationLaw(task, [*viscous], "reference"),  # type: ignore[arg-type]
-        FeedforwardLaw(task, feedback),  # type: ignore[arg-type]
+    feedback = PDLaw(task, gains_of(task.plant), moving=True, hold=True)
+    viscous: list[Friction | None] = [
+        Friction(0.0, viscous=value) for value in (crane.b_x, crane.b_l)
+    ]
+    return [
+        MassLaw(task, feedback, RATE),
+        CompensationLaw(task, viscous, "reference"),
+        FeedforwardLaw(task, feedback),
         feedback,
     ]
-    return laws
 
 
-def regulated_laws(task: Task, crane: Any) -> list[Law]:
+def regulated_laws(task: Any, crane: Any) -> list[Law]:
     """The same with a `SwingRegulator` on top."""
     laws = feedback_laws(task, crane)
     feedback = laws[-1]
@@ -194,10 +195,6 @@ def regulated_laws(task: Task, crane: Any) -> list[Law]:
     numbers = numbers_of(task.rig, (crane.b_x, crane.b_l))
     lengths = np.array([plan.rows[0, 1] for plan in task.plans])
     return [SwingRegulator(task, feedback, numbers, lengths), *laws]
-
-
-def _nominal(rig: Rig) -> Plant:
-    return Plant(rig, 1, timestep=0.01, substeps=1)
 
 
 def actions_of(laws: Sequence[Law], task: Task) -> Array:

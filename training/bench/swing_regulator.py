@@ -155,8 +155,7 @@ class SwingRegulator(Law):
     name = "SwingRegulator"
 
     def __init__(self, task: Any, feedback: PDLaw, numbers: Numbers, lengths: Array) -> None:
-        self._task, self._numbers = task, numbers
-        self._below = feedback.gains[[0, len(task.limits)]]
+        self._task, self._numbers, self._below = task, numbers, feedback
         self._gains = regulator_gains(lengths, numbers.gravity, task.period)
         self.observer = SwingObserver(lengths, numbers.gravity, task.period)
         self._before: Reading | None = None
@@ -174,7 +173,7 @@ class SwingRegulator(Law):
         wanted = self._numbers.trolley * -(self._gains * state).sum(axis=1)
         wanted -= self._tension * (aside + self._unseen) / task.encoders.positions[:, 1]
         changed = np.array(actions)
-        changed[:, 0] += wanted / task.limits[0] + (trolley * self._below).sum(axis=1)
+        changed[:, 0] += wanted / task.limits[0] - self._below.feedback()[:, 0]
         return changed
 
     def _observe(self) -> None:
