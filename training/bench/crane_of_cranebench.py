@@ -78,7 +78,7 @@ def forces_of(motion: Motion) -> Array:
     return np.asarray(motion.inputs / (1.0, DRUM))
 
 
-def _parts(motion: Motion) -> tuple[tuple[Array, Array, Array], ...]:
+def _parts(motion: Motion) -> tuple[tuple[Array, ...], ...]:
     """The trolley's place, and how far aside and below it the load is, with two derivatives."""
     values = motion.positions, motion.velocities, motion.accelerations
     names = ("trolley.position", "load.x", "load.z")
@@ -155,7 +155,7 @@ class Task:
         self.steps = np.zeros(self.num, dtype=np.int64)
         self.readings = Readings(self.num)
         self.rows = Rows(layout_of(rig), self.num, None)
-        self.rows.follow(np.arange(self.num), plans)
+        self.rows.follow(np.arange(self.num, dtype=np.int32), plans)
         readings: Any = self.readings
         self.encoders = Encoders(readings, period)
         self.loads = LoadErrors(self.readings, self.rows) if loads else None
