@@ -111,8 +111,7 @@ class SwingObserver:
         noise, reading = np.zeros(shape), np.zeros((shape[0], 3, 1))
         noise[:, 2, 2], reading[:, 0] = variance, 1.0
         accuracy = np.full((shape[0], 1, 1), NOISE**2)
-        none = np.zeros((shape[0], 3, 1))
-        dual = Stage(self._transition.swapaxes(1, 2), reading, none, noise, accuracy)
+        dual = _undisturbed(self._transition.swapaxes(1, 2), reading, noise, accuracy)
         covariance = stationary(dual).state
         return np.asarray(covariance[:, :, 0] / (covariance[:, :1, 0] + NOISE**2))
 
@@ -134,8 +133,16 @@ def regulator_gains(lengths: Array, gravity: float, period: float) -> Array:
     inputs[:, :2, 0], inputs[:, 2:] = (0.5 * period**2, period), pushed
     cost = np.tile(np.diag((PLACE**2, 0.0, 1.0, 0.0)), (num, 1, 1))
     effort = np.full((num, 1, 1), EFFORT**2)
-    stage = Stage(transition, inputs, np.zeros((num, 4, 1)), cost, effort)
+    stage = _undisturbed(transition, inputs, cost, effort)
     return recursion(lambda _: stage, 1, stationary(stage)).state[0, :, 0]
+
+
+def _undisturbed(transition: Array, inputs: Array, cost: Array, effort: Array) -> Stage:
+    """A stage whose disturbance is zero."""
+    num, states = transition.shape[:2]
+    return Stage(
+        transition, inputs, np.zeros((num, states, 1)), np.zeros((num, 1, 1)), cost, effort
+    )
 
 
 class Reading(NamedTuple):
