@@ -29,13 +29,13 @@ class Settings:
     """Width of the network's layers."""
     batch: int = 1024
     """Lessons of an update."""
-    updates: int = 400
+    updates: int = 250
     """Updates after an iteration; twice as many after the first."""
     last_updates: int = 3000
     """Updates at the end, with a rate that falls to nothing."""
     rate: float = 1.5e-3
     """Learning rate of Adam."""
-    kept: float = 0.5
+    kept: float = 0.33
     """Share of what was seen that becomes lessons: neighbouring periods tell the same."""
     taught: tuple[float, ...] = (0.5, 0.5)
     """Shares of the episodes that the teacher drives in the first iterations."""
