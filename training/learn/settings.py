@@ -41,7 +41,7 @@ class Settings:
     """Shares of the episodes that the teacher drives in the first iterations."""
     restless: float = 0.045
     """Step of the exploration's random walk, in units of the action."""
-    reach: float = 6.0
+    reach: float = 3.0
     """Largest action, in units: root mean squares of what the teacher adds."""
     least_unit: float = 0.005
     """Smallest unit, over a drive's limit."""
@@ -50,7 +50,7 @@ class Settings:
     error of a centimetre; `CHANGES` of the sensors if 0."""
     delay: int = 1
     """Delay with which the teacher counts [periods]: a policy cannot tell one from another."""
-    gate: tuple[float, float, float] = (0.1, 0.4, 10.0)
+    gate: tuple[float, float, float] = (0.3, 1.0, 10.0)
     """Evidence at which the residual begins and counts whole, and its time constant [s]."""
     time_constants: tuple[float, ...] = TIME_CONSTANTS
     """Time constants of the features' filters [s]."""
