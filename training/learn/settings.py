@@ -31,7 +31,7 @@ class Settings:
     """Lessons of an update."""
     updates: int = 250
     """Updates after an iteration; twice as many after the first."""
-    last_updates: int = 3000
+    last_updates: int = 2000
     """Updates at the end, with a rate that falls to nothing."""
     rate: float = 1.5e-3
     """Learning rate of Adam."""
