@@ -21,7 +21,9 @@ from .controllers import PD, Feedforward, Residual
 from .crane.disturbances import Disturbances, Scenario, design
 from .crane.env import CraneEnv, CraneVectorEnv
 from .crane.friction_compensation import FrictionCompensation
+from .crane.input_shaper import Shaper
 from .crane.mass_estimate import MassEstimate
+from .crane.pid import PID
 from .crane.references import RandomMoves
 from .crane.task import CraneTask
 from .crane.taut_guard import TautGuard
@@ -39,6 +41,7 @@ __all__ = [
     "HAND_ENVIRONMENTS",
     "OWN",
     "PD",
+    "PID",
     "CraneEnv",
     "CraneTask",
     "CraneVectorEnv",
@@ -59,6 +62,7 @@ __all__ = [
     "Range",
     "Residual",
     "Scenario",
+    "Shaper",
     "TautGuard",
     "design",
     "hand_design",

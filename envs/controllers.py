@@ -8,8 +8,9 @@ down; only the environment clips.  All work on single and vector environments th
 code: `PD(env)` returns a `gym.Wrapper` or a `gym.vector.VectorWrapper` as `env` needs.
 
 `PD` and `Feedforward` stand in any order, each once; `Residual` stands on top of them, because it
-clips and scales whatever comes from above.  `flatrig.envs.crane.friction_compensation` and
-`flatrig.envs.hand.pose_controller` have one more each.
+clips and scales whatever comes from above.  Cranes have more: `PID`, `MassEstimate`,
+`FrictionCompensation` and `Shaper`, each in a file of `flatrig.envs.crane`; hands have
+`PoseFeedback`, in `flatrig.envs.hand.pose_controller`.
 
 The inputs that hold the rig at rest (a winch carries its load) are needed once.  `PD` adds them
 unless a controller below does; `Feedforward`, which contains them, leaves out what is added below.
@@ -134,7 +135,7 @@ def PD(
         crane nor a hand, or a `PD` or a `Residual` stands below.
     """
     task = task_of(env)
-    refuse_below(env, "PD")
+    refuse_below(env, "PD", "PID")
     if track not in ("moving", "set point"):
         raise OptionError(f'track is {shown(track)}, it must be "moving" or "set point"')
     own = {

@@ -150,11 +150,11 @@ def laws_of(env: AnyEnv) -> Iterator[Law]:
         layer = layer.env
 
 
-def refuse_below(env: AnyEnv, name: str) -> None:
+def refuse_below(env: AnyEnv, name: str, *alike: str) -> None:
     """Nothing is added twice, and nothing above a residual, which would clip and scale it."""
     for law in laws_of(env):
-        if law.name == name:
-            raise OptionError(f"{name} stands below already, it must be there once")
+        if law.name in (name, *alike):
+            raise OptionError(f"{law.name} stands below already, it must be there once")
         if law.topmost:
             raise OptionError(
                 f"{name} above {law.name} would be clipped and scaled; put {law.name} on top"

@@ -95,7 +95,20 @@ def inertia_matrices(plant: Plant, joints: Array) -> Array:
     joints
         Where it is, shape (N, joints).
     """
-    model, gears = plant.model, _gears(plant)
+    masses, gradients = gradients_of(plant, joints)
+    mobility = gradients @ np.linalg.solve(masses, gradients.swapaxes(1, 2))
+    return np.asarray(np.linalg.inv(mobility))
+
+
+def gradients_of(plant: Plant, joints: Array) -> tuple[Array, Array]:
+    """Mass matrices, and how drives' coordinates change with joints, where joints are (N, joints).
+
+    Returns
+    -------
+    tuple[Array, Array]
+        Shapes (N, joints, joints) and (N, drives, joints).
+    """
+    model = plant.model
     data = mujoco.MjData(model)
     masses = np.zeros((len(joints), model.nv, model.nv))
     moments = np.zeros((len(joints), model.nu, model.nv))
@@ -108,9 +121,7 @@ def inertia_matrices(plant: Plant, joints: Array) -> Array:
             data.moment_colind,
         )  # fmt: skip
     # A motor's moment is its gear times the gradient of its coordinate.
-    gradients = moments / gears[:, None]
-    mobility = gradients @ np.linalg.solve(masses, gradients.swapaxes(1, 2))
-    return np.asarray(np.linalg.inv(mobility))
+    return masses, moments / _gears(plant)[:, None]
 
 
 def forces_of(plant: Plant) -> Array:

@@ -11,7 +11,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from ...envs import PD, Feedforward, PoseFeedback
+from ...envs import (
+    PD,
+    PID,
+    Feedforward,
+    FrictionCompensation,
+    MassEstimate,
+    PoseFeedback,
+    Shaper,
+)
 from ..learned import LearnedResidual, base_controller
 from ..policy import Policy
 
@@ -69,6 +77,12 @@ def set_point(env: Any) -> Any:
     return PD(env, track="set point")
 
 
+@contender("PD, ZVD shaper", plants=("crane",))
+def shaped(env: Any) -> Any:
+    """The same, its set point shaped so that the load swings less."""
+    return Shaper(set_point(env))
+
+
 @contender("PD, moving")
 def moving(env: Any) -> Any:
     """PD towards the moving reference."""
@@ -82,6 +96,24 @@ contender("feedforward")(Feedforward)
 def with_feedback(env: Any) -> Any:
     """The exact inputs, and PD towards the moving reference."""
     return Feedforward(PD(env))
+
+
+@contender("FF + PID", plants=("crane",))
+def with_integral(env: Any) -> Any:
+    """The exact inputs, and PID towards the moving reference."""
+    return Feedforward(PID(env))
+
+
+@contender("FF + PD + friction", plants=("crane",))
+def with_friction(env: Any) -> Any:
+    """The same with PD, and the friction that is expected at the planned speed."""
+    return FrictionCompensation(with_feedback(env))
+
+
+@contender("FF + PD + mass", plants=("crane",))
+def with_mass(env: Any) -> Any:
+    """Feedforward and PD, and the inputs that the estimated load takes more."""
+    return MassEstimate(with_feedback(env))
 
 
 @contender("FF + PD + pose", plants=("hand",), sensors="full", emphasis=True)

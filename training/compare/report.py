@@ -40,6 +40,7 @@ def show(comparison: Comparison, folder: Path) -> None:
         comparison.heading + (", mean and 95 % interval" if many else ""),
         "controller", *(column.heading for column in columns), *cells,
     )  # fmt: skip
+    rows.columns[0].no_wrap = True
     for run in comparison.runs:
         style = "bold" if run.contender.emphasis else ""
         row: list[str | Text] = [Text(run.name, style=style)]
