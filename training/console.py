@@ -5,6 +5,8 @@ import os
 from rich.console import Console
 from rich.text import Text
 
+NARROW = 96
+"""Columns below which a table of many numbers leaves some out."""
 WIDE = 130
 """Columns to use where the output is not a terminal, whose width would be unknown."""
 

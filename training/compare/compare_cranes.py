@@ -38,8 +38,8 @@ PARTS = 6
 """Of the time after arrival, in which errors are told apart; of the long hold each is 10 s."""
 COLUMNS = (
     Column("rmse", "tracking\nRMSE [mm]", 1e3, 1),
-    Column("largest", "largest\nerror [mm]", 1e3, 0),
-    Column("swing", "swing after\narrival [mm]", 1e3, 1),
+    Column("largest", "largest\n[mm]", 1e3, 0),
+    Column("swing", "swing\nafter [mm]", 1e3, 1),
     Column("settling", "settling\ntime [s]", 1.0, 2),
     Column("effort", "effort\n[% of limit]", 1e2, 1),
     Column("tension", "lowest\ntension [N]", 1.0, 0),

@@ -10,11 +10,16 @@ from rich.text import Text
 
 from ...models.files import write_text
 from ..as_json import json_text, show_json
-from ..console import console
+from ..console import NARROW, console
 from ..tables import table, write_csv
 from .contenders import BASE
 from .runs import Comparison, Run
 from .set_report import sets_summary, show_sets
+
+WIDE_ENOUGH = 110
+"""Columns from which on the table has intervals; they are in the summary in any case."""
+FIRST = 4
+"""Number of columns of the table where there is room for no more."""
 
 
 def report(comparison: Comparison, folder: Path, as_json: bool = False) -> None:
@@ -35,9 +40,12 @@ def report(comparison: Comparison, folder: Path, as_json: bool = False) -> None:
 def show(comparison: Comparison, folder: Path) -> None:
     """Print the table, what its words mean, and where the files are."""
     many, out = len(comparison.scenarios) > 1, console()
+    wide = many and out.width >= WIDE_ENOUGH
     columns, cells = comparison.columns, comparison.cells
+    if out.width < NARROW:
+        columns = columns[:FIRST]
     rows = table(
-        comparison.heading + (", mean and 95 % interval" if many else ""),
+        comparison.heading + ", mean" * many + " and 95 % interval" * wide,
         "controller", *(column.heading for column in columns), *cells,
     )  # fmt: skip
     rows.columns[0].no_wrap = True
@@ -47,7 +55,7 @@ def show(comparison: Comparison, folder: Path) -> None:
         for column in columns:
             value = comparison.means[run.name][column.metric].scaled(column.factor)
             middle, interval = value.format(column.digits)
-            row.append(Text.assemble(middle, "\n", (interval, "dim")) if many else middle)
+            row.append(Text.assemble(middle, "\n", (interval, "dim")) if wide else middle)
         rows.add_row(*row, *(cell(run.metrics) for cell in cells.values()))
     out.print(rows)
     if comparison.absent:

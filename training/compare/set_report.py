@@ -10,7 +10,7 @@ from typing import Any
 from rich.table import Table
 from rich.text import Text
 
-from ..console import console
+from ..console import NARROW, console
 from ..tables import table
 from .runs import Comparison
 from .scores import DECISIVE, Score, Scores, scores_of
@@ -24,7 +24,7 @@ def show_sets(comparison: Comparison) -> None:
     scores = scores_of({name: on_set.runs for name, on_set in sets.items()})
     if len(sets) > 1:
         out.print(_means(comparison, scores))
-        out.print(_in_detail(comparison, scores))
+        out.print(_in_detail(comparison, scores, wide=out.width >= NARROW))
         if any(run.contender.learned for run in comparison.runs):
             out.print(_ratios(comparison, scores))
         for name, on_set in sets.items():
@@ -66,7 +66,7 @@ def _means(comparison: Comparison, scores: Scores) -> Table:
     return rows
 
 
-def _in_detail(comparison: Comparison, scores: Scores) -> Table:
+def _in_detail(comparison: Comparison, scores: Scores, wide: bool) -> Table:
     """What random moves, and all sets together, say beside that."""
     sets = scores
     chosen = DECISIVE if DECISIVE in sets else next(iter(sets))
@@ -88,7 +88,7 @@ def _in_detail(comparison: Comparison, scores: Scores) -> Table:
         rows.add_row(
             _name(run),
             run.contender.sensors,
-            _ratio(score),
+            _ratio(score, wide),
             "" if score.worse is None else f"{100 * score.worse:.0f} %",
             f"{100 * score.settled:.0f} %",
             sets[drift][run.name].drift.format(2)[0],
@@ -114,11 +114,11 @@ def _name(run: Any) -> Text:
     return Text(run.name, style="bold" if run.contender.emphasis else "")
 
 
-def _ratio(score: Score) -> str | Text:
+def _ratio(score: Score, interval: bool = True) -> str | Text:
     if score.ratio is None:
         return Text("best", style="dim")
-    middle, interval = score.ratio.format(2)
-    return Text.assemble(f"{middle} ", (interval, "dim"))
+    middle, around = score.ratio.format(2)
+    return Text.assemble(f"{middle} ", (around, "dim")) if interval else middle
 
 
 def _millimetres(value: float) -> str:
