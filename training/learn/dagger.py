@@ -25,7 +25,7 @@ from ..learned import features_of
 from ..policy import Card, Policy
 from .crane_teacher import CraneTeacher, lineariser_for
 from .rollout import RESOLUTIONS, UNDISTURBED, Classroom, Episode, Seen, draw_episodes
-from .settings import CHANGES, Settings
+from .settings import Settings
 from .student import Lessons, School, Student, normalised
 
 
@@ -71,7 +71,7 @@ class Training:
         torch.manual_seed(seed)
         self.rig, self.move, self.sensors, self.seed = rig, move, sensors, seed
         self.nthread = nthread
-        self.settings = settings or Settings()
+        self.settings = settings or Settings.of(sensors)
         self.disturbances = Disturbances.standard(rig)
         self.room = Classroom(
             rig, move, self.settings.episodes, sensors=sensors, disturbances=self.disturbances,
@@ -117,7 +117,7 @@ class Training:
         """A teacher of episodes in a room."""
         plans, scenarios = zip(*episodes, strict=True)
         suited = Weights.of(self.rig, room.task.scales)
-        weights = replace(suited, change=self.settings.change or CHANGES[self.sensors])
+        weights = replace(suited, change=self.settings.change)
         return CraneTeacher(
             room.task, plans, scenarios, lineariser=self._lineariser, delay=self.settings.delay,
             weights=weights,

@@ -1,6 +1,7 @@
 """The numbers of a training run; `config.json` of a run holds them."""
 
 from dataclasses import dataclass
+from typing import Any, Self
 
 from ..features import TIME_CONSTANTS
 
@@ -12,9 +13,13 @@ VALIDATION_EPISODES = 36
 VALIDATION_HOLDS = (4.0, 20.0)
 """How long they last after arrival [s]."""
 
-CHANGES = {"encoders": 0.004, "sway": 0.01, "full": 0.02}
-"""For each set of sensors: a stiffer teacher asks more than a policy can know, and what that
-believes wrongly makes swing."""
+SENSITIVE: dict[str, dict[str, Any]] = {
+    "encoders": {"change": 0.004, "reach": 3.0, "gate": (0.3, 1.0, 10.0)},
+    "sway": {"change": 0.01, "reach": 6.0, "gate": (0.1, 0.4, 10.0)},
+    "full": {"change": 0.02, "reach": 6.0, "gate": (0.1, 0.4, 10.0)},
+}
+"""What differs for each set of sensors.  A stiffer teacher asks more than a policy can know, and what
+that believes wrongly makes swing; who sees less must be surer before it acts, and may do less."""
 
 
 @dataclass(frozen=True)
@@ -45,9 +50,9 @@ class Settings:
     """Largest action, in units: root mean squares of what the teacher adds."""
     least_unit: float = 0.005
     """Smallest unit, over a drive's limit."""
-    change: float = 0.0
+    change: float = 0.004
     """Change of a command in one period, over the limits, that costs the teacher as much as an
-    error of a centimetre; `CHANGES` of the sensors if 0."""
+    error of a centimetre."""
     delay: int = 1
     """Delay with which the teacher counts [periods]: a policy cannot tell one from another."""
     gate: tuple[float, float, float] = (0.3, 1.0, 10.0)
@@ -56,3 +61,8 @@ class Settings:
     """Time constants of the features' filters [s]."""
     contrast: tuple[float, float] = (0.3, 3.0)
     """Bounds of the weights of lessons, over their mean."""
+
+    @classmethod
+    def of(cls, sensors: str, **changes: Any) -> Self:
+        """Those that suit a set of sensors, with changes."""
+        return cls(**(SENSITIVE[sensors] | changes))

@@ -50,7 +50,7 @@ def _train(command: options.Train) -> int:
 
 def _begin(folder: Path, command: options.Train) -> int:
     """Train from nothing, in a folder that is made once the run is known to be possible."""
-    settings = Settings(episodes=command.episodes)
+    settings = Settings.of(command.sensors, episodes=command.episodes)
     if command.minutes is None and command.iterations is None:
         command = replace(command, minutes=options.MINUTES)
     if status := refuse(INFEASIBLE, problems_of(*command.target())):
