@@ -18,8 +18,9 @@ SENSITIVE: dict[str, dict[str, Any]] = {
     "sway": {"change": 0.01, "reach": 6.0, "gate": (0.1, 0.4, 10.0)},
     "full": {"change": 0.02, "reach": 6.0, "gate": (0.1, 0.4, 10.0)},
 }
-"""What differs for each set of sensors.  A stiffer teacher asks more than a policy can know, and what
-that believes wrongly makes swing; who sees less must be surer before it acts, and may do less."""
+"""What differs for each set of sensors.  A stiffer teacher asks more than a policy can know, and
+what that believes wrongly makes swing; who sees less must be surer before it acts, and may do
+less."""
 
 
 @dataclass(frozen=True)
