@@ -19,6 +19,7 @@ import numpy as np
 from ..envs.crane.mass_estimate import MassLaw
 from ..envs.crane.task import CraneTask
 from ..envs.episodes import AnyTask
+from ..envs.hand.task import HandTask
 from ..models.types import Array, Mask
 from .drive_forces import DriveForces, Excess
 
@@ -160,3 +161,24 @@ def crane_features(
             Signal([f"{rope} tension" for rope in ropes], lambda: loads.tensions / weight, True),
         ]
     return Features(signals, task.period, time_constants, forces.look)
+
+
+def hand_features(task: HandTask, time_constants: Sequence[float]) -> Features:
+    """Those of a hand with encoders: what feedback gives, and where and how hard the plan holds.
+
+    Only the first two say something about the plant; a hand is stiff, and shows at once what it
+    knows.
+    """
+    excess, rows, encoders = Excess(task), task.rows, task.encoders
+    drives = len(task.limits)
+
+    def named(what: str) -> list[str]:
+        return [f"{name} {what}" for name in task.action_names]
+
+    signals = [
+        Signal(named("error"), lambda: encoders.errors[:, :drives], True),
+        Signal(named("excess command"), lambda: excess.now, True),
+        Signal(named("planned position"), lambda: rows.parts["drives"][:, :drives]),
+        Signal(named("holding effort"), lambda: rows.parts["holding"]),
+    ]
+    return Features(signals, task.period, time_constants, excess.look)

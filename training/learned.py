@@ -16,17 +16,18 @@ from typing import Any
 import numpy as np
 
 from ..envs import PD, Feedforward, MassEstimate, TautGuard
-from ..envs.controllers import PDLaw
+from ..envs.controllers import FeedforwardLaw, PDLaw
 from ..envs.crane.mass_estimate import MassLaw
 from ..envs.crane.task import CraneTask
 from ..envs.episodes import AnyTask
+from ..envs.hand.task import HandTask
 from ..envs.laws import AnyEnv, Law, laws_of, refuse_below, task_of, wrap
-from ..models import fingerprint
+from ..models import Hand, Rig
 from ..models.errors import OptionError
 from ..models.types import Array
-from .features import Features, crane_features
+from .features import Features, crane_features, hand_features
 from .gate import Gate
-from .policy import Card, Policy, shipped
+from .policy import Card, Policy, fingerprint_of, shipped
 
 FASTER = 1.5
 """How much faster than in the first moves of training drives may be."""
@@ -92,8 +93,8 @@ def LearnedResidual(env: AnyEnv, policy: Policy | str | None = None) -> Any:
     Parameters
     ----------
     env
-        A crane with `MassEstimate(Feedforward(PD(...)))`, or a hand with the controllers of
-        its policy, single or vector, of the sensors and the control rate of the policy.
+        A crane with `MassEstimate(Feedforward(PD(...)))`, or a hand with `Feedforward(PD(...))`,
+        single or vector, of the sensors and the control rate of the policy.
     policy
         The policy, the path of one, or None for the one shipped for the rig and its sensors.
 
@@ -115,6 +116,12 @@ def LearnedResidual(env: AnyEnv, policy: Policy | str | None = None) -> Any:
     laws = list(laws_of(env))
     masses = [law for law in laws if isinstance(law, MassLaw)]
     _check_feedback(policy.card, laws)
+    if isinstance(task, HandTask) and not all(
+        any(isinstance(law, kind) for law in laws) for kind in (PDLaw, FeedforwardLaw)
+    ):
+        raise OptionError(
+            "LearnedResidual was trained on top of Feedforward(PD(env)), which does not stand below"
+        )
     if isinstance(task, CraneTask) and not masses:
         raise OptionError(
             "LearnedResidual was trained on top of MassEstimate(Feedforward(PD(env))), there is no "
@@ -134,12 +141,14 @@ def _check_feedback(card: Card, laws: Sequence[Law]) -> None:
 
 
 def base_controller(env: AnyEnv) -> Any:
-    """What the residual of a crane is learned on top of, around an environment."""
+    """What a residual is learned on top of, around an environment."""
+    if isinstance(task_of(env), HandTask):
+        return Feedforward(PD(env))
     return MassEstimate(Feedforward(PD(TautGuard(env))))
 
 
 def _shipped_for(task: AnyTask) -> Policy:
-    policy = shipped(task.rig, task.sensors) if isinstance(task, CraneTask) else None
+    policy = shipped(plant_of(task), task.sensors)
     if policy is None:
         raise OptionError(
             f"no policy is shipped for {plant_name(task)} with sensors={task.sensors!r}; train one "
@@ -148,15 +157,23 @@ def _shipped_for(task: AnyTask) -> Policy:
     return policy
 
 
+def plant_of(task: AnyTask) -> Rig | Hand:
+    """A task's rig or hand."""
+    assert isinstance(task, CraneTask | HandTask)
+    return task.hand if isinstance(task, HandTask) else task.rig
+
+
 def plant_name(task: AnyTask) -> str:
     """Name of a task's rig or hand."""
-    return str(task.rig.name if isinstance(task, CraneTask) else task.hand.name)  # type: ignore[attr-defined]
+    return plant_of(task).name
 
 
 def features_of(
     task: AnyTask, mass: MassLaw | None, speeds: Array, time_constants: tuple[float, ...]
 ) -> Features:
     """The features of a task's simulations."""
+    if isinstance(task, HandTask):
+        return hand_features(task, time_constants)
     assert isinstance(task, CraneTask)
     assert mass is not None
     return crane_features(task, mass, speeds, time_constants)
@@ -186,10 +203,10 @@ def check(card: Card, task: AnyTask) -> None:
     name = plant_name(task)
     if name != card.plant:
         raise OptionError(f"the policy is for {card.plant}, the environment's is {name}")
-    if isinstance(task, CraneTask) and card.fingerprint != fingerprint(task.rig):
+    if card.fingerprint != fingerprint_of(plant_of(task)):
         raise OptionError(
-            f"the policy is for a rig {card.plant} with other parts or numbers than the "
-            "environment's; train one for this rig with `flatrig train`"
+            f"the policy is for {card.plant} with other parts or numbers than the environment's; "
+            "train one for these with `flatrig train`"
         )
     if abs(task.period * card.rate - 1.0) > 1e-6:
         raise OptionError(

@@ -119,7 +119,7 @@ class Compare(RigOptions):
                 )
 
 
-@command(crane=".learn.train:main")
+@command(crane=".learn.train:main", hand=".learn.train_hands:main")
 class Train(RigOptions):
     """Train a residual policy on top of feedforward, PD and the estimated mass."""
 

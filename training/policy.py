@@ -17,7 +17,8 @@ import numpy as np
 from safetensors import SafetensorError
 from safetensors.numpy import load_file, save
 
-from ..models import Rig, fingerprint, make
+from ..models import Hand, Rig, fingerprint, make
+from ..models.digest import digest
 from ..models.errors import OptionError
 from ..models.files import replacing, write_text
 from ..models.values import bounded
@@ -41,7 +42,7 @@ class Card:
     plant: str
     """Name of the rig or hand."""
     fingerprint: str
-    """Of the rig that it was trained on, see `models.fingerprint`; "" for a hand."""
+    """Of the rig or hand that it was trained on, see `fingerprint_of`."""
     sensors: str
     """Sensors of the environment, as its option."""
     rate: float
@@ -168,8 +169,13 @@ def _tuples(value: Any) -> Any:
     return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
 
-def shipped(rig: Rig | str, sensors: str = "encoders") -> Policy | None:
-    """The policy that comes with the package for exactly this rig and these sensors, or None.
+def fingerprint_of(plant: Rig | Hand) -> str:
+    """What tells the parts and numbers of a rig or hand from those of others."""
+    return digest(plant) if isinstance(plant, Hand) else fingerprint(plant)
+
+
+def shipped(rig: Rig | Hand | str, sensors: str = "encoders") -> Policy | None:
+    """The policy that comes with the package for exactly this rig or hand and sensors, or None.
 
     Raises
     ------
@@ -179,4 +185,4 @@ def shipped(rig: Rig | str, sensors: str = "encoders") -> Policy | None:
     rig = make(rig) if isinstance(rig, str) else rig
     path = SHIPPED / f"{rig.name}-{sensors}.json"
     policy = Policy.load(path) if path.exists() else None
-    return policy if policy and policy.card.fingerprint == fingerprint(rig) else None
+    return policy if policy and policy.card.fingerprint == fingerprint_of(rig) else None

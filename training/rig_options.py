@@ -10,7 +10,7 @@ from ..models import HAND_CATALOGUE, Hand, HandMove, Move, Rig, full_name, load_
 from ..models.errors import OptionError
 from .look_up import assignments, is_file, look_up
 
-FOR_CRANES = ("profile", "blend", "equations", "shortest", "margin", "policy")
+FOR_CRANES = ("profile", "blend", "equations", "shortest", "margin")
 """Options that a hand has no use for."""
 
 

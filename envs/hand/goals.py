@@ -66,7 +66,9 @@ class HandPlanner(Planner[HandPlan]):
         return isinstance(option, HandMove)
 
     def plan(self, reference: object) -> HandPlan:
-        """The plan for a given move."""
+        """The plan for a given move, or one that is made already, with a hold of its own."""
+        if isinstance(reference, HandPlan):
+            return reference
         if not isinstance(reference, HandMove):
             raise OptionError(f"reference is {shown(reference)}, it must be a HandMove")
         return make_hand_plan(self._hand, reference, self.period, self.hold)

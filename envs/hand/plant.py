@@ -46,6 +46,8 @@ class HandPlant(Simulations[HandPlan, HandScenario]):
         Between the object and each finger, (n, fingers) [m].
     apart
         For how long each finger has not touched, (n, fingers) [s].
+    offsets
+        By how much encoders read too much, (n, drives) [m, rad].
     """
 
     stage = VELOCITIES
@@ -66,7 +68,7 @@ class HandPlant(Simulations[HandPlan, HandScenario]):
         self._slides = self._index.motors
         self._turns = np.setdiff1d(np.arange(drives), self._slides)
         self._friction: Array | None = None
-        self._offset = np.zeros((num, drives))
+        self.offsets = np.zeros((num, drives))
         self._true = np.zeros((num, 2 * drives))
         self.outputs, self.twist = np.zeros((num, 12)), np.zeros((num, 6))
         self.normals = np.zeros((num, len(hand.fingers), 3))
@@ -146,7 +148,7 @@ class HandPlant(Simulations[HandPlan, HandScenario]):
     def _disturb(self, sim: int, scenario: HandScenario) -> None:
         """Give a simulation its mass, friction and encoders' errors."""
         signs = 1.0 - 2.0 * (np.arange(len(self._slides)) % 2)
-        self._offset[sim, self._slides] = scenario.offset * signs
+        self.offsets[sim, self._slides] = scenario.offset * signs
         if self._friction is None and scenario.friction != 1.0:
             self._friction = self.batch.expand("geom_friction")
         if self._friction is not None:
@@ -163,7 +165,7 @@ class HandPlant(Simulations[HandPlan, HandScenario]):
         self._true[:, self._slides] = self._lengths[:, self._slides]
         self._true[:, drives:] = self._speeds[:, :drives]
         self.encoders[...] = self._true
-        self.drive_positions += self._offset
+        self.drive_positions += self.offsets
         centre, frame = self._places[:, self._object], self._frames[:, self._object]
         self.outputs[:, :3], self.outputs[:, 3:] = centre, frame.reshape(self.num, 9)
         if hand.planar:

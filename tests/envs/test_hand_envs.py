@@ -259,10 +259,10 @@ def test_compare_prints_a_row_for_each_controller(
 ) -> None:
     argv = ["compare", "two-finger-hand", "--scenarios", "2", "--duration", "1"]
     assert main([*argv, "-o", str(tmp_path)]) == 0
-    out = capsys.readouterr().out
-    assert "no policy is shipped for two_finger_hand" in out
+    assert "residual: flatrig train two-finger" in capsys.readouterr().out
     facts = json.loads((tmp_path / "summary.json").read_text())["controllers"]
+    assert facts["residual, encoders"]["ended"] == 0
     assert facts["FF + PD + pose"]["reached"] == 2
     assert facts["feedforward"]["ended"] == 2
     assert main([*argv, "--policy", "x.json"]) == 2
-    assert "is a hand" in capsys.readouterr().err
+    assert "cannot read policy" in capsys.readouterr().err

@@ -118,7 +118,11 @@ def test_solution_without_forces_is_the_motion(capsys: pytest.CaptureFixture[str
 
 
 REFUSALS = {
-    ("train", "ball-on-plate"): "ball-on-plate is a hand; this command is for cranes only",
+    ("train", "ball-on-plate", "--sensors", "full"): "a hand's residual is for encoders",
+    ("train", "ball-on-plate", "--resume"): "--resume is for cranes",
+    ("train", "ball-on-plate", "--profile", "polynomial"): "--profile is for cranes",
+    ("train", "ball-on-plate", "--episodes", "0"): "--episodes is 0, it must be > 0",
+    ("fingerprint", "ball-on-plate"): "ball-on-plate is a hand; this command is for cranes only",
     ("analyse", "ball-on-plat"): "there is no hand 'ball-on-plat'; did you mean ball_on_plate",
     ("analyse", "overhead", "--turning", "axis"): "--turning axis is for hands, overhead is none",
     ("analyse", "two-finger", "--shortest"): "--shortest is for cranes, two-finger is a hand",

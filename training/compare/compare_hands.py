@@ -10,7 +10,7 @@ last second of the run, or longer.  An object that is lost stays where it was.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +27,8 @@ from .. import options
 from ..console import warning
 from ..describe.feasible import INFEASIBLE
 from ..exits import DONE, refuse
+from ..learned import check
+from ..policy import Policy, shipped
 from .contenders import EVALUATION_SEED, Contender
 from .driving import drive_all, periods
 from .figure import draw
@@ -97,27 +99,44 @@ def main(command: options.Compare) -> int:
         HandVectorEnv(hand, num_envs=1, reference=move)
     except PathError as error:
         return refuse(INFEASIBLE, [str(error)])
+    policy = Policy.load(command.policy) if command.policy else shipped(hand)
     make_folder(folder)
-    comparison = compare(hand, move, scenarios)
+    comparison = compare(hand, move, scenarios, policy)
     draw(comparison, folder / "figure.png")
     report(comparison, folder, command.json)
     return DONE
 
 
 def compare(
-    hand: Hand, move: HandMove, scenarios: Sequence[HandScenario], *, bar: bool = True
+    hand: Hand,
+    move: HandMove,
+    scenarios: Sequence[HandScenario],
+    policy: Policy | None = None,
+    *,
+    bar: bool = True,
 ) -> Comparison:
-    """Drive the scenarios with every contender that needs no policy: none is for a hand."""
+    """Drive the scenarios with every contender for hands; the learned one needs a policy.
+
+    Raises
+    ------
+    OptionError
+        The policy does not suit the hand.
+    """
     env = cache(
         lambda sensors: HandVectorEnv(
             hand, num_envs=len(scenarios), reference=move, sensors=sensors
         )
     )
-    runs, absent = drive_all(
-        "hand",
-        lambda entry: drive(env(entry.sensors), entry, scenarios, move.duration),
-        bar=bar,
-    )
+    policies = {} if policy is None else {policy.card.sensors: policy}
+    if policy is not None:
+        check(policy.card, env("encoders").task)
+
+    def driven(entry: Contender) -> Run:
+        if entry.learned:
+            entry = replace(entry, wrap=partial(entry.wrap, policy=policies[entry.sensors]))
+        return drive(env(entry.sensors), entry, scenarios, move.duration)
+
+    runs, absent = drive_all("hand", driven, policies, bar=bar)
     return Comparison(
         kind="hand",
         name=hand.name,
@@ -131,7 +150,11 @@ def compare(
         cells={"worst end\n[mm], [deg]": _worst, "reached": _reached, "ended\nearly": _endings},
         notes=f"Move: {move.duration:g} s.  {NOTES}"
         + (f"  {INTERVALS}" if len(scenarios) > 1 else ""),
-        residual=f"no policy is shipped for {hand.name}",
+        residual=(
+            f"no policy is shipped for {hand.name} with these numbers"
+            if policy is None
+            else f"{policy.card.training.get('command')}"
+        ),
         counts={
             "reached": lambda metrics: int(metrics.reached.sum()),
             "ended": lambda metrics: sum(map(bool, metrics.ended)),

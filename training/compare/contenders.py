@@ -129,5 +129,9 @@ def with_residual(env: Any, policy: Policy) -> Any:
 
 for sensors in SENSORS:
     contender(
-        f"residual, {sensors}", plants=("crane",), sensors=sensors, learned=True, emphasis=True
+        f"residual, {sensors}",
+        plants=("crane", "hand") if sensors == "encoders" else ("crane",),
+        sensors=sensors,
+        learned=True,
+        emphasis=True,
     )(with_residual)
