@@ -38,9 +38,9 @@ from .plan import CranePlan, feedforward_with
 from .task import CraneTask
 from .tuning import forces_of
 
-RATE = 1.0
-"""How fast the error of the estimate decays by default [1/s]: slower than the feedback of winches,
-which has to settle in between."""
+RATE = 0.5
+"""How fast the error of the estimate decays by default [1/s]: it converges within a move, and three
+periods of delay leave room for it, as they do not for 1/s where two ropes carry a trolley."""
 FARTHEST = 0.5
 """How far the estimate may go from the rig's mass, over that mass."""
 SPAN = 0.3

@@ -107,7 +107,7 @@ def test_the_integral_waits_while_a_drive_is_at_its_limit():
     before = env.law.apply(np.zeros((1, 2)))
     after = env.law.apply(np.zeros((1, 2)))
     change = (after - before)[0] * task.limits
-    assert change == pytest.approx((0.02 * 0.1 * 10.0**2 * 10.0, 0.0), abs=1e-3)
+    assert change == pytest.approx((0.02 * 0.1 * 8.6**2 * 10.0, 0.0), abs=1e-3)
 
 
 @pytest.mark.parametrize(

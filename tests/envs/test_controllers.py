@@ -205,9 +205,9 @@ def test_wrong_options_get_one_line(build, message):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_feedback_stands_two_periods_of_delay(name):
+def test_feedback_stands_three_periods_of_delay(name):
     env = envs.Feedforward(envs.PD(make(name, hold=0.0)))
-    env.reset(seed=0, options={"scenario": envs.Scenario(delay=2, wind=1.0)})
+    env.reset(seed=0, options={"scenario": envs.Scenario(delay=3, wind=1.0)})
     over = False
     while not over:
         *_, terminated, over, info = env.step(np.zeros(len(env.unwrapped.action_names)))

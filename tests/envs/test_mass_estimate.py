@@ -44,7 +44,7 @@ def half_way(name):
 def estimating(name, masses, seconds, **options):
     """Estimates over so many seconds, (steps, n)."""
     scenarios = [envs.Scenario(load_mass=mass) for mass in masses]
-    env = gym.make_vec(name, num_envs=len(masses), timestep=1e-2, hold=10.0, **options)
+    env = gym.make_vec(name, num_envs=len(masses), timestep=1e-2, hold=12.0, **options)
     env = envs.MassEstimate(base(env))
     env.reset(seed=0, options={"scenarios": scenarios})
     history = []
@@ -58,7 +58,7 @@ def estimating(name, masses, seconds, **options):
 @pytest.mark.parametrize("name", NAMES)
 def test_the_estimate_ends_at_the_true_mass_on_every_rig(name):
     masses = (0.8, 1.25)
-    history = estimating(name, masses, 6.0, reference=half_way(name))
+    history = estimating(name, masses, 9.0, reference=half_way(name))
     assert history[-1] == pytest.approx(masses, abs=0.01)
 
 
@@ -66,7 +66,7 @@ def test_the_estimate_ends_at_the_true_mass_on_every_rig(name):
 def test_at_rest_the_error_of_the_estimate_decays_at_the_rate(rate):
     home = models.make("overhead_crane").home["load"]
     there = feedforward.rest_to_rest((home[0], home[2]), (home[0], home[2] + 1e-6), 1.0)
-    env = gym.make_vec(OVERHEAD, num_envs=1, reference=there, hold=10.0)
+    env = gym.make_vec(OVERHEAD, num_envs=1, reference=there, hold=12.0)
     env = envs.MassEstimate(base(env), rate=rate)
     env.reset(seed=0, options={"scenarios": [envs.Scenario(load_mass=1.2)]})
     errors = [env.step(np.zeros((1, 2))) and 1.2 - env.law.estimate[0] for _ in range(300)]

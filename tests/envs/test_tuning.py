@@ -22,10 +22,10 @@ def plant_of(name, **options):
 def test_drives_alone_at_home_move_what_hangs_on_them():
     """The overhead crane's drives move the trolley, 10 kg, and the load with the winch, 110 kg."""
     gains = gains_of(plant_of(OVERHEAD))
-    assert gains.stiffness == pytest.approx([10.0**2 * 10.0, 8.6**2 * 110.0 * 0.1])
-    assert gains.damping == pytest.approx([1.4 * 10.0 * 10.0, 8.6 * 110.0 * 0.1])
+    assert gains.stiffness == pytest.approx(8.6**2 * np.array([10.0, 110.0 * 0.1]))
+    assert gains.damping == pytest.approx(1.2 * 8.6 * np.array([10.0, 110.0 * 0.1]))
     heavy = plant_of(OVERHEAD, rig=models.overhead_crane(load_mass=200.0, trolley_mass=20.0))
-    assert gains_of(heavy).stiffness == pytest.approx([10.0**2 * 20.0, 8.6**2 * 210.0 * 0.1])
+    assert gains_of(heavy).stiffness == pytest.approx(8.6**2 * np.array([20.0, 210.0 * 0.1]))
     inertia = 480.0 + 10.0 * 5.0**2
     assert gains_of(plant_of(ROTARY)).stiffness[0] == pytest.approx(3.0**2 * inertia)
 
@@ -84,7 +84,7 @@ def test_a_load_that_is_15_percent_heavier_moves_no_drive_by_20_mm_at_rest(name)
 
 @pytest.mark.parametrize("name", [OVERHEAD, ROPED])
 def test_so_it_does_in_the_plant(name):
-    env = envs.Feedforward(envs.PD(gym.make(name, reference=SHORT, timestep=4e-3, hold=5.0)))
+    env = envs.Feedforward(envs.PD(gym.make(name, reference=SHORT, timestep=1e-2, hold=14.0)))
     env.reset(seed=0, options={"scenario": envs.Scenario(load_mass=1.15)})
     over = False
     while not over:
