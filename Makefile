@@ -8,7 +8,7 @@ INSTALL := $(PIP) install --quiet --constraint constraints.txt
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install demo test lint types bench regress stress mutants figures scenes train reproduce clean
+.PHONY: help install demo test lint types bench regress stress mutants figures scenes train policies reproduce clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -65,13 +65,16 @@ figures: $(VENV)/.dev  ## draw the sources' figures anew, into docs/
 scenes: $(VENV)/.core  ## write the default scenes to models/*.xml
 	$(BIN)/flatrig scenes
 
-train: $(VENV)/.dev  ## train a residual policy for the overhead and the rotary crane, ten minutes each, into runs/
-	$(BIN)/flatrig train overhead
-	$(BIN)/flatrig train rotary
+train: $(VENV)/.dev  ## train a residual for the overhead crane, ten minutes, into runs/
+	$(BIN)/flatrig train overhead --sensors sway
 
-reproduce: scenes figures train  ## make scenes, figures and policies anew, and compare with these policies
-	$(BIN)/flatrig compare overhead --policy runs/overhead_crane-seed0/policy.json
-	$(BIN)/flatrig compare rotary --policy runs/rotary_crane-seed0/policy.json
+policies: $(VENV)/.dev  ## train what is shipped anew, for every crane, hours, into runs/
+	for sensors in encoders sway; do for crane in overhead roped-overhead rotary extended-rotary \
+	cantilever gantry navy-2d navy-3d cable-manipulator; do \
+	$(BIN)/flatrig train $$crane --sensors $$sensors || exit 1; done; done
+
+reproduce: scenes figures train  ## make scenes, figures and a policy anew, and compare with this policy
+	$(BIN)/flatrig compare overhead --policy runs/overhead_crane-sway-seed0/policy.json
 
 clean:  ## remove .venv, caches and build files; results/ and runs/ stay
 	rm -rf $(VENV) build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache
