@@ -25,6 +25,7 @@ from .crane.input_shaper import Shaper
 from .crane.mass_estimate import MassEstimate
 from .crane.pid import PID
 from .crane.references import RandomMoves
+from .crane.swing_damping import SwingDamping
 from .crane.task import CraneTask
 from .crane.taut_guard import TautGuard
 from .episodes import Outcome
@@ -63,6 +64,7 @@ __all__ = [
     "Residual",
     "Scenario",
     "Shaper",
+    "SwingDamping",
     "TautGuard",
     "design",
     "hand_design",

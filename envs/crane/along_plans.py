@@ -20,10 +20,14 @@ class AlongPlans:
         The simulations.
     table
         Gives the numbers of a plan, shape (steps, ...); the last ones hold on.
+    every
+        Steps from one row of the table to the next.
     """
 
-    def __init__(self, task: Task[CranePlan, Any], table: Callable[[CranePlan], Array]) -> None:
-        self._task, self._table = task, table
+    def __init__(
+        self, task: Task[CranePlan, Any], table: Callable[[CranePlan], Array], every: int = 1
+    ) -> None:
+        self._task, self._table, self._every = task, table, every
         self._known: WeakKeyDictionary[CranePlan, Array] = WeakKeyDictionary()
         self._plans: list[CranePlan] = []
         self._rows = np.zeros(0)
@@ -36,7 +40,9 @@ class AlongPlans:
             plan is not old for plan, old in zip(task.plans, self._plans, strict=True)
         ):
             self._follow()
-        return np.asarray(self._rows[self._first + np.minimum(task.steps + ahead, self._last)])
+        return np.asarray(
+            self._rows[self._first + np.minimum((task.steps + ahead) // self._every, self._last)]
+        )
 
     def of(self, plan: CranePlan) -> Array:
         """The numbers of one plan."""

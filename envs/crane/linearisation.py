@@ -19,21 +19,19 @@ along the plan; between knots they are interpolated.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
-from ... import feedforward
 from ...models.mjcf import rig_model
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import NOTHING
+from .courses import Course
 from .friction_forces import Places
 from .outputs import Outputs, sources
-from .payloads import payloads, reloaded
-from .plan import CranePlan
+from .payloads import payloads
 
 FRICTIONS = ("winch_friction", "trolley_friction", "frame_friction")
 """Frictions that are disturbances, as scenarios call them."""
@@ -53,38 +51,6 @@ ROOM = 1024
 """About how many simulations run side by side."""
 
 
-class Course(NamedTuple):
-    """A crane's exact motion along a plan, with the mass that it really carries."""
-
-    load_mass: float
-    """Of its payloads over the rig's."""
-    states: Array
-    """Joints and rates at every step until arrival, shape (steps + 1, 2 joints)."""
-    inputs: Array
-    """Inputs over their limits for the holds that begin there, shape (steps + 1, drives)."""
-
-
-def planned(rig: Rig, model: mujoco.MjModel, plan: CranePlan, load_mass: float = 1.0) -> Course:
-    """The motion of a rig that carries `load_mass` times its load, until it has arrived.
-
-    Raises
-    ------
-    PathError
-        The rig with such a load cannot follow the plan's path.
-    """
-    true = rig if load_mass == 1.0 else reloaded(rig, load_mass)
-    instants = plan.period * np.arange(int(np.ceil(plan.reference.duration / plan.period)) + 2)
-    middles = instants + 0.5 * plan.period
-    motion = feedforward.solve(true, plan.reference, np.concatenate((instants, middles)))
-    count, limits = len(instants), np.array([drive.limit for drive in rig.drives])
-    values, rates = (
-        dict(zip(motion.coordinate_names, columns[:count].T, strict=True))
-        for columns in (motion.positions, motion.velocities)
-    )
-    state = rig_model.joint_state(true, model, values, rates)
-    return Course(load_mass, np.hstack(state), motion.inputs[count:] / limits)
-
-
 @dataclass(frozen=True, eq=False)
 class LinearModel:
     """Linear models along P courses, at up to M knots each; shorter ones repeat their last.
@@ -98,6 +64,8 @@ class LinearModel:
     """[A B G], shape (P, M, states, states + inputs + disturbances)."""
     outputs: Array
     """H, shape (P, M, outputs, joints)."""
+    drives: Array
+    """How drive positions follow joints, shape (P, M, inputs, joints)."""
     rooms: Array
     """How far each trolley is from the nearer end of its rail, shape (P, M, trolleys) [m]."""
     trolleys: Array
@@ -165,6 +133,7 @@ class Lineariser:
         room: int = ROOM,
     ) -> None:
         self.rig, self.period = rig, period
+        self.stride = max(1, round(SPACING / period))
         substeps = SUBSTEPS if timestep is None else max(1, round(period / timestep))
         self._substeps = substeps
         self.model = model = rig_model.compile(
@@ -186,20 +155,20 @@ class Lineariser:
 
     def along(self, courses: Sequence[Course]) -> LinearModel:
         """Linear models along courses, taken together."""
-        stride = max(1, round(SPACING / self.period))
-        knots = [_knots(len(course.states) - 1, stride) for course in courses]
+        knots = [_knots(len(course.states) - 1, self.stride) for course in courses]
         states = np.concatenate([c.states[own] for c, own in zip(courses, knots, strict=True)])
         inputs = np.concatenate([c.inputs[own] for c, own in zip(courses, knots, strict=True)])
         counts = [len(own) for own in knots]
         masses = np.repeat([course.load_mass for course in courses], counts)
-        transition, outputs = self.at(states, inputs, masses)
+        transition, outputs, drives = self.at(states, inputs, masses)
         # One after the other, made as long as the longest by repeating their last.
         most = max(counts)
         first = np.cumsum([0, *counts[:-1]])
         rows = first[:, None] + np.minimum(np.arange(most), np.array(counts)[:, None] - 1)
         return LinearModel(
             np.concatenate(knots)[rows].astype(float), transition[rows], outputs[rows],
-            self._rooms(states)[rows], self._trolleys, stride, self._drives, self.axes,
+            drives[rows], self._rooms(states)[rows], self._trolleys, self.stride, self._drives,
+            self.axes,
         )  # fmt: skip
 
     def _rooms(self, states: Array) -> Array:
@@ -209,8 +178,8 @@ class Lineariser:
         starts, ends = np.array([(rail.start, rail.end) for rail in rails]).reshape(-1, 2).T
         return np.asarray(np.minimum(np.minimum(places - starts, ends - places), ENDLESS))
 
-    def at(self, states: Array, inputs: Array, load_masses: Array) -> tuple[Array, Array]:
-        """[A B G] and H at N points.
+    def at(self, states: Array, inputs: Array, load_masses: Array) -> tuple[Array, Array, Array]:
+        """[A B G], H, and drive positions by joints, at N points.
 
         Parameters
         ----------
@@ -221,23 +190,25 @@ class Lineariser:
         Returns
         -------
         tuple
-            Shapes (N, states, states + inputs + disturbances) and (N, outputs, joints).
+            Shapes (N, states, states + inputs + disturbances), (N, outputs, joints) and
+            (N, drives, joints).
         """
         parts = [
             self._some(*(values[np.minimum(np.arange(first, first + self._points), len(states) - 1)]
                          for values in (states, inputs, load_masses)))
             for first in range(0, len(states), self._points)
         ]  # fmt: skip
-        columns, outputs = (
+        columns, outputs, drives = (
             np.concatenate(part)[: len(states)] for part in zip(*parts, strict=True)
         )
-        return columns, outputs
+        return columns, outputs, drives
 
     def _bind(self) -> None:
         batch = self._batch
         self._qpos, self._qvel, self._ctrl = (batch.bind(n) for n in ("qpos", "qvel", "ctrl"))
         self._push, self._force = batch.bind("xfrc_applied"), batch.bind("qfrc_applied")
         self._ropes = batch.bind("ten_J")
+        self._lengths, self._gears = batch.bind("actuator_length"), self.model.actuator_gear[:, 0]
         self._masses = batch.expand("body_mass")
         self._inertias = batch.expand("body_inertia") if self.rig.platforms else None
         self._outputs = Outputs(self.rig, self.model, batch, rates=False)
@@ -247,7 +218,7 @@ class Lineariser:
             for _, joint, factor in sources(self.rig, self.model)[trolley.coordinate]:
                 self._trolleys[row, joint] += factor
 
-    def _some(self, states: Array, inputs: Array, load_masses: Array) -> tuple[Array, Array]:
+    def _some(self, states: Array, inputs: Array, load_masses: Array) -> tuple[Array, Array, Array]:
         """The same for as many points as there is room for."""
         joints, first = self.model.nv, 1 + self._states
         every = self._by_point
@@ -260,8 +231,10 @@ class Lineariser:
         every(self._ctrl)[...] = held * self._limits
         self._batch.forward(None, int(mujoco.mjtStage.mjSTAGE_POS))
         self._outputs.read()
-        outputs = every(self._outputs.values)
-        slopes = (outputs[:, 1 : 1 + joints] - outputs[:, :1]) / STATE_STEP
+        slopes, drives = (
+            ((places[:, 1 : 1 + joints] - places[:, :1]) / STATE_STEP).swapaxes(1, 2)
+            for places in (every(self._outputs.values), every(self._lengths / self._gears))
+        )
         self._disturb(states[:, joints:])
         self._batch.step(None, self._substeps, NOTHING)
         after = np.concatenate((every(self._qpos), every(self._qvel)), axis=2)
@@ -269,7 +242,7 @@ class Lineariser:
         steps = np.repeat(
             (STATE_STEP, INPUT_STEP, FORCE_STEP), (self._states, self._drives, self.disturbances)
         )
-        return (columns / steps[:, None]).swapaxes(1, 2), slopes.swapaxes(1, 2)
+        return (columns / steps[:, None]).swapaxes(1, 2), slopes, drives
 
     def _by_point(self, values: Array) -> Array:
         """A live array of all simulations, (points, copies, ...)."""

@@ -44,6 +44,9 @@ g-h filter (Brookner, Tracking and Kalman Filtering Made Easy, 1998, 1.2).  At 5
 class LoadSensors:
     """The truth about outputs and ropes of n simulations."""
 
+    late = 0
+    """How many control periods ago `errors` were [periods]."""
+
     def __init__(self, plant: Plant, rows: Rows) -> None:
         self._plant, self._planned = plant, rows.parts
 
@@ -91,6 +94,8 @@ class SwaySensors(LoadSensors):
     weight
         Of all loads [N].
     """
+
+    late = LATE
 
     def __init__(
         self, plant: Plant, rows: Rows, period: float, levers: Array, weight: float

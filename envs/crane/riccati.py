@@ -104,7 +104,7 @@ def _mixed(stage: Stage, value: Array) -> Array:
     for _ in range(DOUBLINGS):
         change = closed @ mixed @ drift
         mixed, closed, drift = mixed + change, closed @ closed, drift @ drift
-        if (np.abs(change) <= SETTLED * np.abs(mixed).max()).all():
+        if (np.abs(change) <= SETTLED * np.abs(mixed).max(initial=0.0)).all():
             break
     return mixed
 

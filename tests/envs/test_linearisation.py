@@ -7,7 +7,8 @@ from scipy.linalg import solve_discrete_are
 from flatrig import models
 from flatrig.envs import CraneTask, Disturbances, Scenario, design
 from flatrig.envs.controllers import PDLaw
-from flatrig.envs.crane.linearisation import Lineariser, planned
+from flatrig.envs.crane.courses import planned
+from flatrig.envs.crane.linearisation import Lineariser
 from flatrig.envs.crane.optimal_feedback import Weights, output_weights, regulator
 from flatrig.envs.crane.plan import feedforward_with, make_plan
 from flatrig.envs.crane.riccati import Ahead, Stage, recursion, stationary

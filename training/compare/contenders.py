@@ -19,6 +19,7 @@ from ...envs import (
     MassEstimate,
     PoseFeedback,
     Shaper,
+    SwingDamping,
 )
 from ..learned import LearnedResidual, base_controller
 from ..policy import Policy
@@ -120,6 +121,17 @@ def with_mass(env: Any) -> Any:
 def with_pose(env: Any) -> Any:
     """The same, and feedback of the object's pose."""
     return PoseFeedback(with_feedback(env))
+
+
+def with_swing_damping(env: Any) -> Any:
+    """The same with the estimated mass, and drives that move against the swing."""
+    return SwingDamping(base_controller(env))
+
+
+for sensors in SENSORS[1:]:
+    contender(f"swing damping, {sensors}", plants=("crane",), sensors=sensors, emphasis=True)(
+        with_swing_damping
+    )
 
 
 def with_residual(env: Any, policy: Policy) -> Any:

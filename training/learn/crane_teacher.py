@@ -21,7 +21,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...envs import CraneTask, Scenario
-from ...envs.crane.linearisation import FRICTIONS, Lineariser, planned
+from ...envs.crane.courses import planned
+from ...envs.crane.linearisation import FRICTIONS, Lineariser
 from ...envs.crane.optimal_feedback import Weights, output_weights, regulator, with_gusts
 from ...envs.crane.payloads import payloads
 from ...envs.crane.plan import CranePlan

@@ -1,0 +1,111 @@
+"""Controllers that see the load: what they are worth, and that they are the same side by side."""
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+import flatrig.envs as envs
+from flatrig import feedforward, models
+from flatrig.envs.crane.courses import planned
+from flatrig.envs.crane.linearisation import Lineariser
+from flatrig.models.errors import OptionError
+
+RIG = models.make("overhead_crane")
+WEIGHT = RIG.weight
+BLOWN = [
+    envs.Scenario(wind=0.02 * WEIGHT),
+    envs.Scenario(load_mass=1.2, wind=-0.01 * WEIGHT, winch_friction=0.01 * WEIGHT),
+    envs.Scenario(load_mass=0.8, gust=0.02 * WEIGHT, gust_frequency=0.3, delay=1),
+    envs.Scenario(trolley_friction=0.01 * WEIGHT, wind=0.01 * WEIGHT, delay=2),
+]
+
+
+def base(env):
+    return envs.MassEstimate(envs.Feedforward(envs.PD(env)))
+
+
+def swing_damping(env):
+    return envs.SwingDamping(base(env))
+
+
+def run(wrap, scenarios, sensors, steps=300):
+    """RMS distance of the load from its reference (n,), and where it was (steps, n, outputs)."""
+    env = envs.CraneVectorEnv(
+        RIG, num_envs=len(scenarios), sensors=sensors, disturbances="standard", timestep=5e-3,
+        nthread=1,
+    )  # fmt: skip
+    env = wrap(env)
+    env.reset(seed=5, options={"scenarios": scenarios})
+    still, places = np.zeros(env.action_space.shape), []
+    squares = np.zeros(len(scenarios))
+    for _ in range(steps):
+        _, _, terminated, _, info = env.step(still)
+        assert not terminated.any()
+        squares += np.square(info["load"] - info["reference"]).sum(axis=1)
+        places.append(info["load"])
+    return np.sqrt(squares / steps), np.array(places), env
+
+
+@pytest.mark.parametrize("sensors", ["sway", "full"])
+def test_swing_damping_takes_away_much_of_what_wind_and_friction_leave(sensors):
+    without, _, _ = run(base, BLOWN, sensors)
+    seeing, _, _ = run(swing_damping, BLOWN, sensors)
+    assert (seeing < without).all()
+    assert seeing.mean() < 0.75 * without.mean()
+
+
+def test_side_by_side_is_alone():
+    _, together, _ = run(swing_damping, BLOWN, "full", steps=60)
+    env = gym.make(
+        "flatrig/OverheadCrane-v0", sensors="full", disturbances="standard", timestep=5e-3
+    )
+    env = swing_damping(env)
+    env.reset(seed=6, options={"scenario": BLOWN[1]})
+    alone = np.array([env.step(np.zeros(2))[4]["load"] for _ in range(60)])
+    assert alone == pytest.approx(together[:, 1], abs=1e-9)
+
+
+def test_a_swing_dies_out_as_the_damping_says():
+    """The second road: a pendulum that hangs from a point which moves as the law's shift says."""
+    damping, scale = 0.2, envs.CraneTask(RIG).scales
+    hold = feedforward.hold((0.0, -scale.length))
+    env = envs.CraneVectorEnv(
+        RIG, num_envs=1, sensors="full", reference=hold, hold=12.0, timestep=5e-3, nthread=1
+    )
+    env = envs.SwingDamping(envs.Feedforward(envs.PD(env)), damping=damping, integral=0.0)
+    env.reset(seed=0, options={"scenarios": [envs.Scenario(swing=0.02)]})
+    period, aside = env.unwrapped.task.period, []
+    for _ in range(500):
+        info = env.step(np.zeros((1, 2)))[4]
+        aside.append(info["load"][0, 0] - info["reference"][0, 0])
+    aside = np.array(aside)
+    peaks = [k for k in range(1, 499) if aside[k] > max(aside[k - 1], aside[k + 1], 2e-4)]
+    rate = np.log(aside[peaks[0]] / aside[peaks[1]]) / (period * (peaks[1] - peaks[0]))
+    # The drive is no ideal one: it follows at its own pace, and friction has no part in it.
+    assert rate == pytest.approx(damping / scale.time, rel=0.15)
+
+
+def test_drive_positions_follow_joints():
+    task = envs.CraneTask("cantilever_crane")
+    lineariser = Lineariser(task.rig, task.period, room=64)
+    plan = task.planner.fixed
+    course = planned(task.rig, lineariser.model, plan)
+    model = lineariser.along([course])
+    step = int(model.knots[0, model.knots.shape[1] // 2])
+    rates = model.drives[0, model.knots.shape[1] // 2] @ course.states[step][model.states // 2 :]
+    assert rates == pytest.approx(plan.rows[step, model.inputs : 2 * model.inputs], abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("wrap", "sensors", "message"),
+    [
+        (lambda env: envs.SwingDamping(envs.Feedforward(env)), "full", "needs PD"),
+        (swing_damping, "encoders", "needs load sensors"),
+        (lambda env: envs.SwingDamping(base(env), damping=0), "full", "damping"),
+        (lambda env: envs.SwingDamping(swing_damping(env)), "full", "once"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_a_line(wrap, sensors, message):
+    env = gym.make("flatrig/OverheadCrane-v0", sensors=sensors)
+    with pytest.raises(OptionError, match=message):
+        wrap(env)
