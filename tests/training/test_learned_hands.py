@@ -135,7 +135,7 @@ def test_shipped_policies_halve_what_encoders_tell(hand: str) -> None:
     assert away[1].mean() < 0.5 * away[0].mean()
 
 
-def test_every_hand_with_an_environment_has_a_small_policy() -> None:
-    for hand in ("two_finger_hand",):
+def test_every_hand_has_a_small_policy() -> None:
+    for hand in (*HANDS, "ball_between_plates", "ball_between_oblique_plates"):
         assert shipped(make_hand(hand)) is not None
         assert (policies.SHIPPED / f"{hand}-encoders.safetensors").stat().st_size < 300_000

@@ -4,7 +4,7 @@ As a crane's, on new moves and plants in every iteration, but in a minute: episo
 encoders tell they tell at once, and it is linear.  How far an object hangs aside of its place is to
 first order a weighted sum of how hard feedback pulls at every finger, whatever the pose.  So of the
 network only the layer that skips the others is used, and it is found by ridge regression over all
-iterations.  A hidden layer learned the few plants that it saw by heart, and was worse than none.
+iterations.
 """
 
 from collections.abc import Callable
