@@ -13,6 +13,7 @@ from flatrig.models import CATALOGUE
 from flatrig.training.cli import main
 from flatrig.training.commands import COMMANDS
 from flatrig.training.compare.contenders import CONTENDERS
+from flatrig.training.compare.episode_sets import SETS
 from flatrig.training.regress import baseline
 from flatrig.training.reproduce import entry
 
@@ -98,6 +99,13 @@ def test_a_controller_drives_and_is_compared(monkeypatch: pytest.MonkeyPatch) ->
         env = damped(envs.Feedforward(make("flatrig/OverheadCrane-v0")), share=0.2)
         env.reset(seed=0)
         env.step(env.action_space.sample())
+
+
+def test_a_set_of_episodes_is_registered() -> None:
+    follow("Add a set of episodes")
+    rig = models.make("overhead")
+    episodes = SETS.pop("slow").episodes(rig, models.default_move(rig), 8)
+    assert [episode.move.duration for episode in episodes] == [6.0, 6.0]
 
 
 def test_a_command_is_registered() -> None:

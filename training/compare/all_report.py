@@ -4,6 +4,7 @@ A crane has two rows for each set of sensors: of the best classical controller t
 and of the learned one.  Where more sensors help no controller there is no row for them.
 """
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,7 +14,7 @@ from rich.text import Text
 
 from ..tables import table
 from .contenders import CONTENDERS, SENSORS
-from .scores import DECISIVE
+from .scores import DECISIVE, millimetres
 
 Summary = Mapping[str, Any]
 SCORES = ("rmse", "median", "worst", "settled", "early_ends", "drift", "ratio", "worse")
@@ -115,6 +116,7 @@ def table_of_all(cranes: Sequence[Summary]) -> Table:
 def hand_table(hands: Sequence[Summary]) -> Table:
     """The table of all hands for the console."""
     rows = table("Hands", "hand", *HAND_HEADS)
+    rows.columns[1].justify = "left"
     for hand in hands:
         for place, cells in enumerate(hand_rows(hand)):
             rows.add_row("" if place else hand["hand"].replace("_", " "), *cells)
@@ -131,11 +133,9 @@ def hand_rows(hand: Summary) -> Iterator[list[str]]:
     for name, score in hand["controllers"].items():
         yield [
             name,
-            f"{1e3 * score['away']['mean']:.3g}",
-            f"{57.29578 * score['turned']['mean']:.3g}",
-            f"{score['reached']['mean']:.0%}"
-            if isinstance(score["reached"], dict)
-            else f"{score['reached']} of {hand['scenarios']}",
+            millimetres(score["away"]["mean"]),
+            f"{math.degrees(score['turned']['mean']):.3g}",
+            f"{score['reached']} of {hand['scenarios']}",
         ]
 
 
@@ -163,12 +163,6 @@ def score_rows(cranes: Sequence[Summary]) -> tuple[list[str], list[list[object]]
 def short(crane: str) -> str:
     """A crane's name in a table."""
     return crane.removesuffix("_crane").replace("_crane", "").replace("_", " ")
-
-
-def millimetres(value: float) -> str:
-    """A length [m] in millimetres, with three digits at most."""
-    value *= 1e3
-    return f"{value:.0f}" if value >= 100 else f"{value:.1f}"
 
 
 def in_words(estimate: Mapping[str, Any]) -> str:

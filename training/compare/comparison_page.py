@@ -140,8 +140,9 @@ def _hand_rows(hands: Sequence[Summary]) -> Iterable[list[str]]:
 
 
 def _markdown(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table, numbers flush right from the fourth column on."""
-    marks = ["---"] * 3 + ["--:"] * (len(heads) - 3)
+    """A table, flush right but for the names."""
+    names = ("crane", "hand", "sees", "controller")
+    marks = ["---" if head in names else "--:" for head in heads]
     lines = [heads, marks, *rows]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
 

@@ -106,3 +106,11 @@ def _over(values: Array, base: Array) -> Estimate:
     """Mean of values over that of others, with its paired interval."""
     change = relative_change(values, base)
     return Estimate(change.mean + 1.0, change.low + 1.0, change.high + 1.0)
+
+
+def millimetres(value: float) -> str:
+    """A length [m] in millimetres, with three digits at most."""
+    value *= 1e3
+    if value >= 100:
+        return f"{value:.0f}"
+    return f"{value:.1f}" if value >= 1 else f"{value:.2g}"

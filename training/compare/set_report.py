@@ -13,9 +13,7 @@ from rich.text import Text
 from ..console import NARROW, console
 from ..tables import table
 from .runs import Comparison
-from .scores import DECISIVE, Score, Scores, scores_of
-
-MILLI = 1e3
+from .scores import DECISIVE, Score, Scores, millimetres, scores_of
 
 
 def show_sets(comparison: Comparison) -> None:
@@ -59,7 +57,7 @@ def _means(comparison: Comparison, scores: Scores) -> Table:
     )
     for run in comparison.runs:
         cells = [
-            Text.assemble(_millimetres(score.rmse.mean), "\n", (_millimetres(score.worst), "dim"))
+            Text.assemble(millimetres(score.rmse.mean), "\n", (millimetres(score.worst), "dim"))
             for score in (scores[name][run.name] for name in comparison.sets)
         ]
         rows.add_row(_name(run), *cells)
@@ -119,9 +117,3 @@ def _ratio(score: Score, interval: bool = True) -> str | Text:
         return Text("best", style="dim")
     middle, around = score.ratio.format(2)
     return Text.assemble(f"{middle} ", (around, "dim")) if interval else middle
-
-
-def _millimetres(value: float) -> str:
-    """A length with three digits at most."""
-    value *= MILLI
-    return f"{value:.0f}" if value >= 100 else f"{value:.1f}"
