@@ -25,6 +25,7 @@ from ..as_json import json_text, plain, show_json
 from ..console import console, warning
 from ..exits import DONE, NO
 from ..jobs import Jobs, Processes
+from ..policy import shipped
 from ..rig_options import RigOptions
 from ..tables import write_csv
 from . import compare_cranes, compare_hands
@@ -132,7 +133,7 @@ def _of_hand(trial: Trial) -> Comparison:
     hand = make_hand(trial.name)
     move = replace(default_hand_move(hand), duration=DURATION)
     scenarios = hand_design(HandDisturbances.standard(hand), trial.scenarios, EVALUATION_SEED)
-    return compare_hands.compare(hand, move, scenarios, bar=False)
+    return compare_hands.compare(hand, move, scenarios, shipped(hand), bar=False)
 
 
 def _identity(trial: Trial) -> object:
