@@ -8,7 +8,7 @@ from ..features import TIME_CONSTANTS
 VALIDATION_SEED = 2016_0413
 """Seed of the episodes on which policies are judged in training; neither training nor `compare`
 uses it."""
-VALIDATION_EPISODES = 36
+VALIDATION_EPISODES = 24
 """Number of these."""
 VALIDATION_HOLDS = (4.0, 20.0)
 """How long they last after arrival [s]."""
