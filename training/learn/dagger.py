@@ -148,7 +148,7 @@ class Training:
             "moves": "random_move: ends in the box, half of them on its edges",
             "holds": self.settings.holds,
             "encoder_resolutions": RESOLUTIONS,
-            "undisturbed": f"every {UNDISTURBED}th plant",
+            "undisturbed_plants": f"every {UNDISTURBED}th",
             "disturbances": asdict(self.disturbances),
         }
 
