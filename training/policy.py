@@ -28,6 +28,8 @@ FORMAT = 2
 """Version of the files."""
 SHIPPED = Path(__file__).with_name("policies")
 """Folder of the policies that come with the package."""
+SINGLE = 270_000
+"""Bytes up to which a network is stored in single precision; beyond, its weights are in half."""
 DAMAGE = (
     OptionError, ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError,
     SafetensorError,
@@ -121,9 +123,13 @@ class Policy:
             They cannot be written.
         """
         path = Path(path)
+        numbers = self.network.tensors()
+        large = 4 * sum(array.size for array in numbers.values()) > SINGLE
         tensors = {
-            name: np.ascontiguousarray(array, dtype=np.float32)
-            for name, array in self.network.tensors().items()
+            name: np.ascontiguousarray(
+                array, np.float16 if large and name.endswith(".weight") else np.float32
+            )
+            for name, array in numbers.items()
         }
         with replacing(path.with_suffix(".safetensors")) as beside:
             beside.write_bytes(save(tensors))

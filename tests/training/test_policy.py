@@ -198,6 +198,21 @@ def test_saving_and_loading_keeps_every_bit(tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.iterdir()} == {"policy.json", "policy.safetensors"}
 
 
+def test_weights_of_a_large_network_are_stored_in_half_precision(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    policy = random_policy()
+    policy.save(tmp_path / "single")
+    monkeypatch.setattr("flatrig.training.policy.SINGLE", 100)
+    policy.save(tmp_path / "half")
+    sizes = [(tmp_path / f"{name}.safetensors").stat().st_size for name in ("half", "single")]
+    assert sizes[0] < 0.85 * sizes[1]
+    loaded = Policy.load(tmp_path / "half").network
+    np.testing.assert_array_equal(loaded.mean, policy.network.mean)
+    np.testing.assert_allclose(loaded.weights["first"], policy.network.weights["first"], atol=2e-3)
+    assert np.abs(loaded.weights["first"] - policy.network.weights["first"]).max() > 0.0
+
+
 def test_what_is_not_a_policy_is_refused(tmp_path: Path) -> None:
     with pytest.raises(OptionError, match="cannot read policy"):
         Policy.load(tmp_path / "nowhere")
