@@ -115,6 +115,7 @@ def LearnedResidual(env: AnyEnv, policy: Policy | str | None = None) -> Any:
         options = {"policy": policy}
     laws = list(laws_of(env))
     masses = [law for law in laws if isinstance(law, MassLaw)]
+    check(policy.card, task)
     _check_feedback(policy.card, laws)
     if isinstance(task, HandTask) and not all(
         any(isinstance(law, kind) for law in laws) for kind in (PDLaw, FeedforwardLaw)

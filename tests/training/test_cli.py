@@ -180,7 +180,7 @@ WRONG = {
     "no scenarios": (["compare", "overhead", "--scenarios", "0"], "--scenarios is 0"),
     "no policy there": (["compare", "overhead", "--policy", "nix.json"], "nix.json"),
     "no time": (["train", "overhead", "--minutes", "0"], "--minutes is 0"),
-    "no decisions": (["train", "overhead", "--steps", "-5"], "--steps is -5"),
+    "no iterations": (["train", "overhead", "--iterations", "-5"], "--iterations is -5"),
     "negative seed": (["train", "overhead", "--seed", "-1"], "--seed is -1"),
     "huge seed": (["train", "overhead", "--seed", "4294967296"], "4294967295"),
     "strange film": (["render", "overhead", "-o", "film.avi"], ".gif, .mp4 or .png"),
