@@ -110,7 +110,7 @@ def SwingDamping(env: AnyEnv, *, damping: float = DAMPING, integral: float = INT
     ------
     OptionError
         A number is out of its range, `env` is no crane, has no load sensors or no moving `PD`, or
-        a `SwingDamping` or a `Residual` stands below.
+        carries a platform, or a `SwingDamping` or a `Residual` stands below.
     """
     task = task_of(env)
     if not isinstance(task, CraneTask):
@@ -118,6 +118,11 @@ def SwingDamping(env: AnyEnv, *, damping: float = DAMPING, integral: float = INT
     if task.loads is None:
         raise OptionError(
             'SwingDamping needs load sensors; make the environment with sensors="sway" or "full"'
+        )
+    if task.rig.platforms:
+        raise OptionError(
+            f"SwingDamping is for loads that swing as pendulums; {task.rig.name} carries the "
+            f"platform {task.rig.platforms[0].name}, which several ropes hold"
         )
     refuse_below(env, "SwingDamping")
     feedback = next((law for law in laws_of(env) if isinstance(law, PDLaw) and law.moving), None)

@@ -109,3 +109,9 @@ def test_what_cannot_be_is_refused_in_a_line(wrap, sensors, message):
     env = gym.make("flatrig/OverheadCrane-v0", sensors=sensors)
     with pytest.raises(OptionError, match=message):
         wrap(env)
+
+
+def test_platforms_do_not_swing_as_pendulums() -> None:
+    env = envs.Feedforward(envs.PD(envs.CraneEnv("cable_manipulator", sensors="sway")))
+    with pytest.raises(OptionError, match="carries the platform platform, which several ropes"):
+        envs.SwingDamping(env)

@@ -144,7 +144,9 @@ def compare(
             write_trajectories(keep, entry.name, record, episodes)
         return {name: run_of(entry, part) for name, part in parts_of(record, episodes)}
 
-    driven, absent = drive_all("crane", drive, policies, bar)
+    driven, absent = drive_all(
+        "crane", drive, policies, bar, lambda entry: entry.platforms or not rig.platforms
+    )
     sets = {
         name: OnSet(SETS[name].title, chosen, [runs[name] for runs in driven])
         for name, chosen in episodes.items()

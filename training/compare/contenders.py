@@ -51,6 +51,8 @@ class Contender:
     """Whether it needs a policy that was trained with these sensors."""
     emphasis: bool = False
     """Whether its row stands out."""
+    platforms: bool = True
+    """Whether it can drive cranes that carry platforms."""
 
 
 CONTENDERS: dict[str, Contender] = {}
@@ -129,9 +131,13 @@ def with_swing_damping(env: Any) -> Any:
 
 
 for sensors in SENSORS[1:]:
-    contender(f"swing damping, {sensors}", plants=("crane",), sensors=sensors, emphasis=True)(
-        with_swing_damping
-    )
+    contender(
+        f"swing damping, {sensors}",
+        plants=("crane",),
+        sensors=sensors,
+        emphasis=True,
+        platforms=False,
+    )(with_swing_damping)
 
 
 def with_residual(env: Any, policy: Policy) -> Any:

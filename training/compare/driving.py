@@ -18,13 +18,15 @@ def drive_all(
     drive: Callable[[Contender], Driven],
     policies: Container[str] = (),
     bar: bool = True,
+    suits: Callable[[Contender], bool] = lambda entry: True,
 ) -> tuple[list[Driven], list[Contender]]:
     """What every contender for a plant did, and those left out.
 
-    The latter are the learned ones whose sensors are not among those with `policies`.  A terminal
-    shows a bar of progress meanwhile, unless there is to be none.
+    Contenders that do not suit are not told of.  Those left out are the learned ones whose sensors
+    are not among those with `policies`.  A terminal shows a bar of progress meanwhile, unless there
+    is to be none.
     """
-    contenders = contenders_for(plant)
+    contenders = [entry for entry in contenders_for(plant) if suits(entry)]
     absent = [entry for entry in contenders if entry.learned and entry.sensors not in policies]
     running = [entry for entry in contenders if entry not in absent]
     out = console(stderr=True)
