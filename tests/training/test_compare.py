@@ -147,7 +147,7 @@ def test_compare_writes_tables_and_figure(
 
 
 def test_nominal_needs_no_policy(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    argv = ["compare", "roped-overhead", "--nominal", "-o", str(tmp_path)]
+    argv = ["compare", "overhead", "--set", "load_mass=101", "--nominal", "-o", str(tmp_path)]
     assert main(argv) == 0
     out = capsys.readouterr().out
     assert "without a policy: residual, encoders and residual, sway" in " ".join(out.split())

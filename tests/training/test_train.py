@@ -72,7 +72,7 @@ def test_a_run_leaves_a_policy_with_what_one_needs_to_make_it_again(folder: Path
     made = card.training
     assert made["seed"] == 5
     assert made["disturbances"]["load_mass"] == [0.7, 1.3]
-    assert made["command"].startswith("flatrig ")
+    assert made["command"].startswith("flatrig")
     assert made["versions"]["torch"].startswith("2.")
     low, high = card.box
     assert low <= tuple(np.minimum(MOVE.start, MOVE.goal))
