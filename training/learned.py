@@ -115,8 +115,6 @@ def LearnedResidual(env: AnyEnv, policy: Policy | str | None = None) -> Any:
         options = {"policy": policy}
     laws = list(laws_of(env))
     masses = [law for law in laws if isinstance(law, MassLaw)]
-    check(policy.card, task)
-    _check_feedback(policy.card, laws)
     if isinstance(task, HandTask) and not all(
         any(isinstance(law, kind) for law in laws) for kind in (PDLaw, FeedforwardLaw)
     ):
@@ -128,7 +126,9 @@ def LearnedResidual(env: AnyEnv, policy: Policy | str | None = None) -> Any:
             "LearnedResidual was trained on top of MassEstimate(Feedforward(PD(env))), there is no "
             "MassEstimate below it"
         )
-    return wrap(env, LearnedLaw(task, policy, masses[0] if masses else None), **options)
+    law = LearnedLaw(task, policy, masses[0] if masses else None)
+    _check_feedback(policy.card, laws)
+    return wrap(env, law, **options)
 
 
 def _check_feedback(card: Card, laws: Sequence[Law]) -> None:

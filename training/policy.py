@@ -1,7 +1,7 @@
 """A trained residual policy, stored and run in plain NumPy.
 
     policy = shipped("overhead_crane", "encoders")
-    env = LearnedResidual(MassEstimate(Feedforward(PD(env))), policy)
+    env = LearnedResidual(base_controller(env), policy)
 
 It is stored as two files of the same name: `.safetensors` for the numbers of its network and
 `.json`, its card, for what they mean, what it was trained on and how.  Nothing is ever unpickled.

@@ -1,1 +1,1 @@
-"""`flatrig train`: residual policies with stable-baselines3."""
+"""`flatrig train`: residuals for cranes and hands, imitated from a teacher that knows the plant."""
