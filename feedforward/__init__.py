@@ -13,6 +13,7 @@ from .exact.equations import Equations, redundant
 from .exact.inverse import solve
 from .exact.motion import Motion, Slack
 from .exact.problem import analyse, equations_of
+from .exact.state import State
 from .exact.structure import Analysis
 from .exact.verification import residuals
 from .paths.curves import Curve, CurvedPath, Polynomial, Waypoints, along, over
@@ -50,6 +51,7 @@ __all__ = [
     "Sizing",
     "Slack",
     "Sphere",
+    "State",
     "ThreePhase",
     "Waypoints",
     "along",

@@ -3,7 +3,8 @@
 The equations of a rig have several solutions (a trolley on the other half of a turning girder, a
 pulley on the other side of its ropes).  The right one continues the rig's home: from there the
 outputs are moved to the start of the path in rest, and then along it, on a grid as fine as needed.
-A pulley without mass is taken to hang where all its ropes pull, if that way leads there or not.
+A path that continues another motion starts from that one's state instead, see `state`.  A pulley
+without mass is taken to hang where all its ropes pull, if the way from home leads there or not.
 """
 
 from collections.abc import Mapping
@@ -15,13 +16,15 @@ import numpy as np
 
 from ...models.errors import PathError
 from ...models.types import Array
-from ..paths.consistency import verify_reference
+from ..paths.consistency import accept_rest, verify_reference
 from ..paths.reference import Reference, taylor_of
+from ..series.products import factorials
 from .equations import Equations
 from .home import approach, home_unknowns
 from .problem import Problem
 from .pulleys import LOOKS, has_light_pulley, settle
 from .refusal import accept, failure, first_wrong, passing, stay_on_rails
+from .state import State, accept_join
 from .taylor import Solution, expand
 
 GRIDS = (129, 513, 2049)
@@ -35,6 +38,7 @@ class Branch:
     """The solution on a grid along the whole path."""
 
     problem: Problem
+    reference: Reference
     signs: dict[int, float]
     """Sign of each block's determinant on this branch."""
     times: Array
@@ -59,13 +63,58 @@ class Branch:
         end = step * self.rates[:, below + 1] + drop
         return np.asarray(left - share * drop + bend * ((1.0 - share) * start - share * end))
 
+    def turned(self, times: Array) -> dict[str, Array]:
+        """Continuous angles of the turning frames to within half a turn, shape (N,)."""
+        at = np.clip(times, 0.0, self.times[-1])
+        return {name: np.interp(at, self.times, near) for name, near in self.angles.items()}
+
+    def expanded(self, times: Array) -> tuple[Array, Solution]:
+        """Taylor coefficients of the reference (orders, N, outputs) and the solution.
+
+        Raises
+        ------
+        PathError
+            There is none at one of the times (N,).
+        """
+        taylor = taylor_of(self.reference, times, self.problem.order)
+        guess = self.near(times)
+        solution = expand(self.problem, taylor, guess, follow=False, sides=self.signs)
+        error = failure(self.problem, solution, self.signs, times, taylor[0])
+        if error is not None:
+            raise error
+        return taylor, solution
+
+    def at(self, time: float) -> State:
+        """The state at one time [s].
+
+        Raises
+        ------
+        PathError
+            The branch has no solution there.
+        """
+        instant = np.array([time])
+        taylor, solution = self.expanded(instant)
+        values = solution.values
+        near = {name: float(angle[0]) for name, angle in self.turned(instant).items()}
+        angles = turning_angles(self.problem.equations, values, near)
+        return State(
+            problem=self.problem,
+            time=time,
+            derivatives=taylor[:, 0] * factorials(len(taylor))[:, None],
+            unknowns=values[:, 0],
+            signs=self.signs,
+            angles={name: float(angle[0]) for name, angle in angles.items()},
+        )
+
 
 @lru_cache(maxsize=512)
-def branch_of(problem: Problem, reference: Reference, verify: bool = True) -> Branch:
+def branch_of(
+    problem: Problem, reference: Reference, verify: bool = True, begin: State | None = None
+) -> Branch:
     """The branch of a rig along a path; found once for each pair.
 
-    The derivatives of a path that is not the package's own are compared with one another, unless
-    `verify` says not to.
+    It starts from a state if there is one, otherwise in rest.  The derivatives of a path that is
+    not the package's own are compared with one another, unless `verify` says not to.
 
     Raises
     ------
@@ -74,9 +123,15 @@ def branch_of(problem: Problem, reference: Reference, verify: bool = True) -> Br
     """
     accept(problem, reference)
     if verify:
-        verify_reference(reference, problem.rig.outputs, problem.order)
+        verify_reference(reference, problem.rig.outputs, problem.order, moving=begin is not None)
+    if begin is not None:
+        accept_join(problem, begin, reference)
+        outset = Outset(begin.unknowns[:, None], begin.signs, begin.angles, False)
+    else:
+        if verify:
+            accept_rest(reference, problem.rig.outputs, problem.order)
+        outset = _outset(problem, reference)
     equations = problem.equations
-    outset = _outset(problem, reference)
     times, solution = _follow(problem, reference, outset)
     path = solution.values
     stay_on_rails(problem.rig, equations.names, path, times)
@@ -85,7 +140,7 @@ def branch_of(problem: Problem, reference: Reference, verify: bool = True) -> Br
         if len(coefficients) > 1:
             rates[j] = coefficients[1]
     angles = turning_angles(equations, path, outset.angles)
-    return Branch(problem, outset.signs, times, path, rates, angles)
+    return Branch(problem, reference, outset.signs, times, path, rates, angles)
 
 
 class Outset(NamedTuple):

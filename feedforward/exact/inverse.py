@@ -15,19 +15,26 @@ from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..checks import check_times
 from ..holds import check_hold, means_of, within_holds
-from ..paths.reference import Reference, taylor_of
+from ..paths.reference import Reference
 from ..series.products import factorials
 from ..series.rotation import bryant
 from .branch import Branch, branch_of
 from .equations import Equations, Orientation
 from .motion import Motion, find_slack
 from .problem import problem_of
-from .refusal import accept_path, failure, stay_on_rails
-from .taylor import Solution, expand
+from .refusal import accept_path, stay_on_rails
+from .state import State
+from .taylor import Solution
 
 
 def solve(
-    rig: Rig, reference: Reference, times: ArrayLike, *, hold: float = 0.0, verify: bool = True
+    rig: Rig,
+    reference: Reference,
+    times: ArrayLike,
+    *,
+    hold: float = 0.0,
+    begin: State | None = None,
+    verify: bool = True,
 ) -> Motion:
     """Inputs, coordinates and rope tensions along a reference path, to rounding.
 
@@ -43,6 +50,10 @@ def solve(
         For a controller that holds each input for so long [s], from its instant on: inputs are
         then their means over the holds (see `flatrig.feedforward.holds`), all else is still of the
         instants.
+    begin
+        State of the motion that this one continues, as `Motion.at` gives it: the reference starts
+        as that one moves, on the same branch of the solutions and with the same turns of its
+        frames.  Without it the rig comes from its home and the reference starts in rest.
     verify
         Whether the derivatives of a reference that is not the package's own are compared with one
         another, once for each reference.  False takes its word, as for one that knows a single
@@ -57,7 +68,7 @@ def solve(
     Raises
     ------
     RigError
-        The rig is not flat.
+        The rig is not flat, or `begin` is a state of another one.
     OptionError
         The hold is not a finite number >= 0.
     SmoothnessError
@@ -66,7 +77,8 @@ def solve(
         The path leaves the workspace or passes a singular place, and the message
         says where and when, and which ropes go slack there; or the approach from the rig's home to
         the start of the path is lost; or it has another number of columns than the rig outputs; or
-        its derivatives contradict one another; or a time is not a finite number.
+        its derivatives contradict one another; or a time is not a finite number; or the reference
+        starts moving without `begin`, or otherwise than that, or a time is before it.
 
     A pulley without mass hangs where all its ropes pull; where they do at no place, as on the wrong
     side of its winches, it continues the rig's home, with ropes that would have to push.  It
@@ -83,17 +95,18 @@ def solve(
         raise PathError(f"time {i} is {instants[i]}, it must be finite")
     hold, problem = check_hold(hold), problem_of(rig)
     accept_path(reference)
-    branch = branch_of(problem, reference, verify)
-    taylor = taylor_of(reference, instants, problem.order)
-    guess = branch.near(instants)
-    solution = expand(problem, taylor, guess, follow=False, sides=branch.signs)
-    error = failure(problem, solution, branch.signs, instants, taylor[0])
-    if error is not None:
-        raise error
+    if begin is not None:
+        for i in np.flatnonzero(instants < 0.0)[:1]:
+            raise PathError(
+                f"time {i} is {instants[i]:g} s, before 0 s, when the reference continues `begin`"
+            )
+    branch = branch_of(problem, reference, verify, begin)
+    taylor, solution = branch.expanded(instants)
     motion = _motion(branch, solution, instants, taylor)
     stay_on_rails(rig, motion.coordinate_names, motion.positions.T, instants)
     if hold:
-        exact = solve(rig, reference, within_holds(instants, hold), verify=verify).inputs
+        within = within_holds(instants, hold)
+        exact = solve(rig, reference, within, begin=begin, verify=verify).inputs
         motion = replace(motion, inputs=means_of(exact), hold=hold)
     return motion
 
@@ -104,8 +117,6 @@ def _motion(branch: Branch, solution: Solution, times: Array, taylor: Array) -> 
     n, m = len(equations.names), len(equations.constraint_names)
     state = np.array([[w[0], w[1], 2.0 * w[2]] for w in solution.series[:n]])
     values = np.array([w[0] for w in solution.series[n:]]).T
-    at = np.clip(times, 0.0, branch.times[-1])
-    angles = {name: np.interp(at, branch.times, near) for name, near in branch.angles.items()}
     platforms: dict[str, Array] = {}
     for orientation in equations.orientations:
         if orientation.angles[0] in rig.outputs:  # exactly as prescribed
@@ -114,7 +125,9 @@ def _motion(branch: Branch, solution: Solution, times: Array, taylor: Array) -> 
                 platforms[name] = prescribed * factorials(3)[:, None]
         else:
             platforms |= bryant_angles(orientation, state)
-    return named_motion(equations, times, state, angles, platforms, values[:, :m], values[:, m:])
+    angles = branch.turned(times)
+    motion = named_motion(equations, times, state, angles, platforms, values[:, :m], values[:, m:])
+    return replace(motion, branch=branch)
 
 
 def named_motion(

@@ -1,15 +1,19 @@
 """The motion of a rig along a reference path, with the inputs that produce it."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from ...models.errors import RigError, did_you_mean
+from ...models.errors import PathError, RigError, did_you_mean
 from ...models.files import replacing
 from ...models.rig.rig import Rig
 from ...models.types import Array
+from ...models.values import as_number
+from .branch import Branch
+from .state import State
 
 
 class Slack(NamedTuple):
@@ -62,6 +66,8 @@ class Motion:
     """Intervals in which a tension is negative, as far as the samples show them."""
     hold: float = 0.0
     """For how long a controller is to hold each input [s]; 0 if inputs are of the instants."""
+    branch: Branch | None = field(default=None, repr=False)
+    """The branch of solutions that it lies on, unless it was integrated step by step."""
 
     def column(self, name: str) -> int:
         """Column of a coordinate.
@@ -104,6 +110,26 @@ class Motion:
     def _drives(self) -> list[int]:
         rig = self.rig
         return [self.column(rig.driven(drive).coordinate) for drive in rig.drives]
+
+    def at(self, time: float) -> State:
+        """The state at any time [s], for a motion that continues this one from there.
+
+        `solve(rig, reference, times, begin=motion.at(2.0))` needs a reference that starts as this
+        one's moves at 2 s, such as one that `connected` or `stopped` makes.
+
+        Raises
+        ------
+        PathError
+            The time is not a finite number, or there is no solution at it.
+        RigError
+            The motion was integrated step by step.
+        """
+        if self.branch is None:
+            raise RigError("a motion that was integrated has no state to begin from; use `solve`")
+        instant = as_number(time)
+        if not math.isfinite(instant):
+            raise PathError(f"time is {time!r}, it must be a finite number of seconds")
+        return self.branch.at(instant)
 
     def to_csv(self, path: str | Path) -> None:
         """Write times, inputs, tensions, positions and their derivatives, one row an instant.

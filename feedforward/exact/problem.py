@@ -8,6 +8,7 @@
 `solve`, `check`, the planners and the DAE formulations take it from here and hand it down.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -30,6 +31,10 @@ class Problem:
     """
 
     rig: Rig
+
+    def __reduce__(self) -> tuple[Callable[[Rig], "Problem"], tuple[Rig]]:
+        """A copy is the one object of the rig."""
+        return problem_of, (self.rig,)
 
     @cached_property
     def equations(self) -> Equations:

@@ -34,6 +34,8 @@ FLOOR = 1e-6
 """A column that moves by less than this share of the largest coordinate is rounding."""
 GRID = 128
 """Intervals in which jumps are looked for."""
+ENDS = 9
+"""Instants that tell how large the derivatives are that must vanish where a path leaves rest."""
 CUTS = 8
 """Parts of an interval in the search for a jump."""
 NARROWEST = 1e-12
@@ -56,7 +58,29 @@ def is_own(part: object) -> bool:
     return all(is_own(value) for value in values if hasattr(value, "derivatives"))
 
 
-def verify_reference(reference: Reference, names: tuple[str, ...], order: int) -> None:
+def accept_rest(reference: Reference, names: tuple[str, ...], order: int) -> None:
+    """Refuse a reference that starts moving.
+
+    Raises
+    ------
+    PathError
+        A derivative up to `order`, none beyond those that the path claims to have, does not vanish
+        at its start.
+    """
+    order = min(order, reference.order)
+    values = reference.derivatives(np.linspace(0.0, reference.duration, ENDS), order)
+    sizes = _sizes(values, reference.duration)
+    wrong = np.abs(values[1:, 0]) > TOLERANCE * sizes[1:]
+    for k, column in np.argwhere(wrong)[:1]:
+        raise PathError(
+            f"the reference starts moving, derivative {k + 1} of {names[column]} is "
+            f"{values[k + 1, 0, column]:.4g}: say which motion it continues, begin=motion.at(t)"
+        )
+
+
+def verify_reference(
+    reference: Reference, names: tuple[str, ...], order: int, *, moving: bool = False
+) -> None:
     """Refuse a reference whose derivatives up to `order` contradict one another.
 
     Parameters
@@ -67,6 +91,8 @@ def verify_reference(reference: Reference, names: tuple[str, ...], order: int) -
         Of the columns.
     order
         Highest derivative that will be used; none beyond those it claims to have is looked at.
+    moving
+        Whether it may start moving, and has nothing to say about earlier times.
 
     Raises
     ------
@@ -79,12 +105,12 @@ def verify_reference(reference: Reference, names: tuple[str, ...], order: int) -
     order = min(order, reference.order)
     within = _Within(reference, names, order)
     step = 1.0 / GRID
-    shares = np.linspace(-step, 1.0 + step, GRID + 3)
+    shares = step * np.arange(0.0 if moving else -1.0, GRID + 2.0)
     values = within(shares)
     sizes = _sizes(values, reference.duration)
     _find_jump(within, shares, values, sizes)
     _find_slope(within, sizes)
-    _find_unrest(within, sizes)
+    _find_unrest(within, sizes, (1.1,) if moving else (-0.1, 1.1))
 
 
 def _sizes(values: Array, duration: float) -> Array:
@@ -211,7 +237,7 @@ def _find_slope(within: _Within, sizes: Array) -> None:
     )
 
 
-def _find_unrest(within: _Within, sizes: Array) -> None:
+def _find_unrest(within: _Within, sizes: Array, shares: tuple[float, ...]) -> None:
     """Refuse a path that does not rest where it is asked before its start or after its end.
 
     Raises
@@ -219,10 +245,10 @@ def _find_unrest(within: _Within, sizes: Array) -> None:
     PathError
         It does not.
     """
-    outside = np.array([-0.1, 1.1])
+    outside = np.array(shares)
     given, rest = within.given(within.duration * outside), within(outside)
     for k, i, column in np.argwhere(np.abs(given - rest) > TOLERANCE * sizes[:, None])[:1]:
-        when = "before its start" if i == 0 else "after its end"
+        when = "before its start" if outside[i] < 0.0 else "after its end"
         raise PathError(
             f"{within.what(k, column)} is {given[k, i, column]:.4g} at "
             f"{within.duration * outside[i]:.6g} s, {when}, where it rests: "
