@@ -16,6 +16,7 @@ from .exact.problem import analyse, equations_of
 from .exact.state import State
 from .exact.structure import Analysis
 from .exact.verification import residuals
+from .paths.continuing import Connected, Stopped, connected, stopped
 from .paths.curves import Curve, CurvedPath, Polynomial, Waypoints, along, over
 from .paths.moves import from_move
 from .paths.profiles import Profile, RestToRest, ThreePhase
@@ -35,6 +36,7 @@ __all__ = [
     "Bisected",
     "Box",
     "Clearance",
+    "Connected",
     "Curve",
     "CurvedPath",
     "Equations",
@@ -52,6 +54,7 @@ __all__ = [
     "Slack",
     "Sphere",
     "State",
+    "Stopped",
     "ThreePhase",
     "Waypoints",
     "along",
@@ -60,6 +63,7 @@ __all__ = [
     "bisected",
     "check",
     "clearance",
+    "connected",
     "driven_unit",
     "equations_of",
     "from_csv",
@@ -76,5 +80,6 @@ __all__ = [
     "scaled",
     "shortest_duration",
     "solve",
+    "stopped",
     "three_phase",
 ]

@@ -30,6 +30,7 @@ from ..exact.motion import Motion, Slack
 from ..exact.problem import problem_of
 from ..exact.refusal import RAIL_TOLERANCE, accept_columns
 from ..exact.slackness import falling
+from ..exact.state import State, accept_join
 from ..paths.consistency import verify_reference
 from ..paths.reference import Reference, ReferencePath
 from .uncertainty import endless, input_uncertainty
@@ -135,7 +136,9 @@ class AsSmooth(ReferencePath):
         return self.path.derivatives(times, order)
 
 
-def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
+def check(
+    rig: Rig, reference: Reference, rate: float = 500.0, *, begin: State | None = None
+) -> Feasibility:
     """Whether a rig can make a move: smoothness, workspace, rails, ropes and drives.
 
     Friction is not counted, for a description has none.
@@ -148,6 +151,8 @@ def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
         Path of the rig's outputs.
     rate
         Samples per second [Hz].
+    begin
+        State of the motion that the path continues, as for `solve`.
 
     Returns
     -------
@@ -157,20 +162,24 @@ def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
     Raises
     ------
     RigError
-        The rig itself cannot be treated.
+        The rig itself cannot be treated, or `begin` is a state of another one.
     PathError
-        The path's columns are not the rig's outputs.
+        The path's columns are not the rig's outputs, or it does not continue `begin`.
     OptionError
         The rate is not > 0, or makes more than a million samples.
     """
     accept_columns(rig, reference)
     # A rig off its rails is refused by `solve`; with endless ones the rest is looked at as well.
     unbounded = endless(rig)
-    needed = problem_of(unbounded).analysis.reference_order
+    problem = problem_of(unbounded)
+    needed = problem.analysis.reference_order
+    if begin is not None:
+        accept_join(problem_of(rig), begin, reference)
+        begin = replace(begin, problem=problem)
     times = instants(reference.duration, rate)
     problems = []
     try:
-        verify_reference(reference, rig.outputs, needed)
+        verify_reference(reference, rig.outputs, needed, moving=begin is not None)
     except PathError as error:
         problems.append(str(error))
     path = reference
@@ -180,14 +189,15 @@ def check(rig: Rig, reference: Reference, rate: float = 500.0) -> Feasibility:
         )
         path = AsSmooth(reference, needed)
     try:
-        motion = replace(solve(unbounded, path, times, verify=False), rig=rig)
+        motion = solve(unbounded, path, times, begin=begin, verify=False)
     except PathError as error:
         problems.append(str(error))
         return Feasibility(rig, reference, needed, tuple(problems), str(error), None, (), ())
+    motion = replace(motion, rig=rig)
     sizing = _sizings(motion, path)
     problems += _off_rails(motion)
     problems += [_slack(motion, part) for part in motion.slack]
-    problems += _slack_at_rest(motion)
+    problems += _slack_at_rest(motion, moving=begin is not None)
     problems += [
         f"drive {part.drive} would need {part.largest:.4g} {part.unit} at {part.when:.4g} s, "
         f"its limit is {part.limit:.4g} {part.unit}"
@@ -276,12 +286,12 @@ def _slack(motion: Motion, slack: Slack) -> str:
     return f"{slack}: {cause}" if cause else str(slack)
 
 
-def _slack_at_rest(motion: Motion) -> list[str]:
+def _slack_at_rest(motion: Motion, moving: bool) -> list[str]:
     """A sentence for each rope that has to push even at rest: then no duration helps."""
     return [
         f"rope {rope} would have to push at rest at the {end} ({tension:.4g} N), however long "
         "the move takes"
-        for end, sample in (("start", 0), ("goal", -1))
+        for end, sample in (("start", 0), ("goal", -1))[moving:]
         for rope, tension in zip(motion.rig.rope_names, motion.tensions[sample], strict=True)
         if tension < -TAUT * motion.rig.weight
     ]

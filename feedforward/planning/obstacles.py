@@ -30,6 +30,7 @@ from ..exact.equations import redundant
 from ..exact.inverse import solve
 from ..exact.motion import Motion
 from ..exact.problem import equations_of
+from ..exact.state import State
 from ..paths.reference import Reference
 from .feasibility import instants
 
@@ -158,6 +159,7 @@ def clearance(
     load_radius: float = 0.0,
     ropes: bool = True,
     rate: float = 200.0,
+    begin: State | None = None,
 ) -> Clearance:
     """The smallest distance that the load, and the ropes too, keep from obstacles on a move.
 
@@ -175,6 +177,8 @@ def clearance(
         Whether ropes count.
     rate
         Samples per second, between which the smallest distance is then refined [Hz].
+    begin
+        State of the motion that the path continues, as for `solve`.
 
     Raises
     ------
@@ -192,7 +196,7 @@ def clearance(
     step = times[1] - times[0]
     nearest = Clearance(math.inf, 0.0, "", "")
     for _ in range(1 + REFINEMENTS):
-        motion = solve(rig, reference, times)
+        motion = solve(rig, reference, times, begin=begin)
         closest = _closest(motion, obstacles, float(load_radius), ropes)
         nearest = min(nearest, closest, key=lambda candidate: candidate.distance)
         times = np.linspace(nearest.time - step, nearest.time + step, BETWEEN)

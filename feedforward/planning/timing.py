@@ -5,6 +5,8 @@
     best.duration, best.limited_by, best.when               # [s], such as "rope hoist", [s]
     check(rig, best.reference).feasible                     # True
 
+    shortest_duration(rig, lambda T: stopped(reference, 2.0, T), begin=motion.at(2.0))    # a stop
+
 A move is within its bounds if the rig can follow it, every rope keeps a tension of at least
 `margin`, and every input stays within `share` of its drive's limit.  Slow moves are like standing
 still: the search begins at four times the given duration, or four times that and so on until it is
@@ -31,7 +33,8 @@ from ..checks import check_duration
 from ..exact.inverse import solve
 from ..exact.problem import problem_of
 from ..exact.refusal import accept_path
-from ..paths.consistency import verify_reference
+from ..exact.state import State, accept_join
+from ..paths.consistency import accept_rest, verify_reference
 from ..paths.reference import Reference, ReferencePath
 from .feasibility import TAUT, driven_unit
 
@@ -126,13 +129,15 @@ class _Bounds:
     path: Callable[[float], Reference]
     margin: float
     share: float
+    begin: State | None
     samples: int = SAMPLES
 
     def tightest(self, duration: float) -> _Tightest:
         """What decides about a move of this duration."""
         times = np.linspace(0.0, duration, self.samples)
         try:
-            motion = solve(self.rig, self.path(duration), times, verify=False)
+            reference = self.path(duration)
+            motion = solve(self.rig, reference, times, begin=self.begin, verify=False)
         except SmoothnessError:
             raise
         except PathError as error:
@@ -162,6 +167,7 @@ def shortest_duration(
     *,
     margin: float = 0.0,
     share: float = 1.0,
+    begin: State | None = None,
 ) -> Shortest:
     """The shortest duration for which ropes stay taut and drives within their limits.
 
@@ -175,16 +181,19 @@ def shortest_duration(
         Lowest tension allowed in any rope [N].
     share
         Largest part of each drive's limit allowed, above 0 and at most 1.
+    begin
+        State of the motion that the path continues, as for `solve`; a path that starts moving is
+        given as a function of its duration.
 
     Raises
     ------
     RigError
-        The rig is not flat.
+        The rig is not flat, or `begin` is a state of another one.
     SmoothnessError
         The path is not smooth enough, in whatever time.
     PathError
         No duration is within the bounds, and the message says what is in the way; or the
-        derivatives of the path contradict one another.
+        derivatives of the path contradict one another, or it does not continue `begin`.
     OptionError
         Margin or share is out of range.
     """
@@ -194,8 +203,13 @@ def shortest_duration(
         raise OptionError(f"share is {share!r}, it must be above 0 and at most 1")
     problem = problem_of(rig)
     start, make = _family(path)
-    verify_reference(make(start), rig.outputs, problem.order)
-    bounds = _Bounds(rig, make, float(margin), float(share))
+    first = make(start)
+    verify_reference(first, rig.outputs, problem.order, moving=begin is not None)
+    if begin is not None:
+        accept_join(problem, begin, first)
+    else:
+        accept_rest(first, rig.outputs, problem.order)
+    bounds = _Bounds(rig, make, float(margin), float(share), begin)
     finer = replace(bounds, samples=FINE)
     good, bad = _boundary(bounds, start)
     if not finer.hold(good):  # something narrow lies between the samples
