@@ -10,7 +10,6 @@ Example::
 
 from .dae import Integration, integrate
 from .exact.equations import Equations, redundant
-from .exact.inverse import solve
 from .exact.motion import Motion, Slack
 from .exact.problem import analyse, equations_of
 from .exact.state import State
@@ -28,6 +27,7 @@ from .planning.feasibility import Feasibility, Sizing, check, driven_unit
 from .planning.obstacles import Box, Clearance, Sphere, clearance
 from .planning.timing import Scaled, Shortest, scaled, shortest_duration
 from .planning.uncertainty import input_uncertainty
+from .solving.inverse import solve
 from .stability.energy import Regulator
 
 __all__ = [

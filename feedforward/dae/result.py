@@ -7,8 +7,8 @@ import numpy as np
 
 from ...models.types import Array
 from ..exact.branch import turning_angles
-from ..exact.inverse import bryant_angles, named_motion
 from ..exact.motion import Motion
+from ..exact.naming import bryant_angles, named_motion
 from ..paths.reference import Reference
 from .formulation import Formulation
 from .newton import Counters

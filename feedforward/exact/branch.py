@@ -7,7 +7,7 @@ A path that continues another motion starts from that one's state instead, see `
 without mass is taken to hang where all its ropes pull, if the way from home leads there or not.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
@@ -49,19 +49,29 @@ class Branch:
     angles: dict[str, Array]
     """Continuous angles of the turning frames, shape (samples,)."""
 
-    def near(self, times: Array) -> Array:
-        """The unknowns between the grid's samples, shape (unknowns, N)."""
+    def near(self, times: Array, unknowns: Sequence[int] | slice = slice(None)) -> Array:
+        """All unknowns or some between the grid's samples, shape (unknowns, N)."""
         step = self.times[1]
         place = np.clip(times / step, 0.0, len(self.times) - 1.0)
         below = np.minimum(place.astype(int), len(self.times) - 2)
         share = place - below
-        left, right = self.values[:, below], self.values[:, below + 1]
+        values, rates = self.values[unknowns, :], self.rates[unknowns, :]
+        left, right = values[:, below], values[:, below + 1]
         # Cubic Hermite interpolation, as the chord and what the end slopes add to it.
         drop = left - right
         bend = share * (1.0 - share)
-        start = step * self.rates[:, below] + drop
-        end = step * self.rates[:, below + 1] + drop
+        start = step * rates[:, below] + drop
+        end = step * rates[:, below + 1] + drop
         return np.asarray(left - share * drop + bend * ((1.0 - share) * start - share * end))
+
+    def ends(self, below: int, unknowns: Sequence[int]) -> list[list[float]]:
+        """Values and rates of some unknowns at a sample of the grid and at the next one.
+
+        A list (left, right, rate at the left, rate at the right) for each.
+        """
+        columns = (self.values, below), (self.values, below + 1), (self.rates, below)
+        both = [a[unknowns, i] for a, i in (*columns, (self.rates, below + 1))]
+        return [list(map(float, row)) for row in np.array(both).T.tolist()]
 
     def turned(self, times: Array) -> dict[str, Array]:
         """Continuous angles of the turning frames to within half a turn, shape (N,)."""

@@ -29,8 +29,8 @@ def approach(problem: Problem, start: tuple[float, ...]) -> Solution:
         None has.
     """
     rig = problem.rig
-    values, home = _home(problem.equations)
-    outputs = np.array([_output(rig, values, name) for name in rig.outputs])
+    home = _home(problem.equations)[1]
+    outputs = home_outputs(problem.equations)
     reasons = []
     for way in _ways(outputs, _unwound(rig, start)):
         taylor = np.zeros((problem.order + 1, *way.shape))
@@ -65,6 +65,12 @@ def _ways(home: Array, start: Array) -> Iterator[Array]:
     reach = float(np.linalg.norm(start - home))
     for side in (*np.eye(len(home)), *-np.eye(len(home))):
         yield home + share * (start - home) + 2.0 * reach * share * (1.0 - share) * side
+
+
+def home_outputs(equations: Equations) -> Array:
+    """The outputs of a rig at home, shape (outputs,)."""
+    values = _home(equations)[0]
+    return np.array([_output(equations.rig, values, name) for name in equations.rig.outputs])
 
 
 def home_unknowns(equations: Equations) -> Array:

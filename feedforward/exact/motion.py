@@ -12,6 +12,7 @@ from ...models.files import replacing
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ...models.values import as_number
+from ..checks import every
 from .branch import Branch
 from .state import State
 
@@ -162,6 +163,8 @@ reporting an unloaded rope, whose tension is zero but for rounding, as slack."""
 
 def find_slack(rig: Rig, times: Array, tensions: Array) -> tuple[Slack, ...]:
     """Intervals of tensions (N, ropes) that are negative, their ends interpolated."""
+    if every(tensions >= 0.0):
+        return ()
     intervals = []
     order = np.argsort(times, kind="stable")
     times, tensions = times[order], tensions[order]

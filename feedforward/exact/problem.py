@@ -56,7 +56,7 @@ class Problem:
         """The steps that determine every unknown."""
         return plan(self.analysis)
 
-    @property
+    @cached_property
     def order(self) -> int:
         """Derivatives of a reference to use: those that are needed, and the outputs' own two."""
         return max(self.analysis.reference_order, 2)

@@ -7,7 +7,7 @@ import numpy as np
 from ...models.errors import PathError, RigError, SmoothnessError
 from ...models.rig.rig import Rig, require_rig
 from ...models.types import Array
-from ..checks import check_duration, check_order
+from ..checks import check_duration, check_order, every
 from ..paths.reference import Reference
 from ..paths.turning import FixedAxis
 from .equations import Equations
@@ -259,6 +259,8 @@ def off_rails(rig: Rig, names: tuple[str, ...], positions: Array) -> tuple[int, 
     for trolley in rig.trolleys:
         rail = rig.rail(trolley.rail)
         place = positions[names.index(trolley.coordinate)]
+        if every((place >= rail.start) & (place <= rail.end)):
+            continue
         beyond = np.maximum(rail.start - place, place - rail.end) > RAIL_TOLERANCE
         if beyond.any():
             i = int(beyond.argmax())

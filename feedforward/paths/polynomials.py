@@ -13,16 +13,20 @@ vanishing derivatives are zero there exactly.
 import math
 from fractions import Fraction
 from functools import cache
+from typing import TypeVar
 
 import numpy as np
 
 from ...models.types import Array
 
+Numbers = TypeVar("Numbers", float, Array)
+"""One number or an array of them: both come to the same bits."""
 
-def rising(u: Array, power: int, coefficients: tuple[float, ...]) -> Array:
+
+def rising(u: Numbers, power: int, coefficients: tuple[float, ...]) -> Numbers:
     """u^power * sum_k coefficients[k] (1-u)^k, for positive coefficients free of cancellation."""
     rest = 1.0 - u
-    total = np.full_like(u, coefficients[-1])
+    total = 0.0 * u + coefficients[-1]
     for coefficient in coefficients[-2::-1]:
         total *= rest
         total += coefficient
@@ -38,23 +42,29 @@ def folded(s: Array, power: int, coefficients: tuple[float, ...]) -> Array:
     return np.where(second_half, 1.0 - half, half)
 
 
-def powers(base: Array, highest: int) -> list[Array]:
+def powers(base: Numbers, highest: int) -> list[Numbers]:
     """base^0 .. base^highest by multiplication, an order of magnitude faster than power()."""
-    result = [np.ones_like(base)]
+    result = [0.0 * base + 1.0]
     for _ in range(highest):
         result.append(result[-1] * base)
     return result
 
 
-def parity_horner(coefficients: tuple[float, ...], x: Array) -> Array:
+def parity_horner(coefficients: tuple[float, ...], x: Numbers) -> Numbers:
     """The even or odd polynomial sum_i coefficients[i] x^i."""
     odd = 1 - len(coefficients) % 2
     square = x * x
-    total = np.full_like(x, coefficients[-1])
+    total = 0.0 * x + coefficients[-1]
     for coefficient in coefficients[-3::-2]:
         total *= square
         total += coefficient
     return total * x if odd else total
+
+
+@cache
+def rest_sum(order: int) -> tuple[float, ...]:
+    """Coefficients a_k of the rest-to-rest polynomial as s^(n+1) sum_k a_k (1-s)^k."""
+    return tuple(float(math.comb(order + k, k)) for k in range(order + 1))
 
 
 @cache

@@ -56,8 +56,11 @@ class StraightPath(ReferencePath):
 
     def _derivatives(self, times: Array, order: int) -> Array:
         scalar = self.profile.derivatives(fractions(times, self.duration), order)
-        for k in range(1, order + 1):
-            scalar[k] /= self.duration**k
+        scalar /= np.array([self.duration**k for k in range(order + 1)])[:, None]
+        if len(times) == 1:  # columns at once, which for many times is slower
+            result = scalar[..., None] * np.subtract(self.end, self.begin)
+            result[0] = self.end if times[0] >= self.duration else result[0] + self.begin
+            return np.asarray(result)
         result = np.empty((*scalar.shape, self.size))
         arrived = times >= self.duration
         for column, (begin, end) in enumerate(zip(self.begin, self.end, strict=True)):

@@ -25,7 +25,6 @@ from ...models.errors import OptionError, PathError
 from ...models.rig.rig import Drive, Frame, Rig, Rope
 from ...models.types import Array
 from ...models.values import as_number
-from ..exact.inverse import solve
 from ..exact.motion import Motion, Slack
 from ..exact.problem import problem_of
 from ..exact.refusal import RAIL_TOLERANCE, accept_columns
@@ -33,6 +32,7 @@ from ..exact.slackness import falling
 from ..exact.state import State, accept_join
 from ..paths.consistency import verify_reference
 from ..paths.reference import Reference, ReferencePath
+from ..solving.inverse import solve
 from .uncertainty import endless, input_uncertainty
 
 LEAST_SAMPLES, MOST_SAMPLES = 101, 1_000_000

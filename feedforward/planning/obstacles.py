@@ -27,11 +27,11 @@ from ...models.types import Array
 from ...models.values import as_number
 from ..checks import check_point
 from ..exact.equations import redundant
-from ..exact.inverse import solve
 from ..exact.motion import Motion
 from ..exact.problem import equations_of
 from ..exact.state import State
 from ..paths.reference import Reference
+from ..solving.inverse import solve
 from .feasibility import instants
 
 REFINEMENTS = 3

@@ -30,12 +30,12 @@ from ...models.rig.rig import Rig
 from ...models.types import Array
 from ...models.values import as_number
 from ..checks import check_duration
-from ..exact.inverse import solve
 from ..exact.problem import problem_of
 from ..exact.refusal import accept_path
 from ..exact.state import State, accept_join
 from ..paths.consistency import accept_rest, verify_reference
 from ..paths.reference import Reference, ReferencePath
+from ..solving.inverse import solve
 from .feasibility import TAUT, driven_unit
 
 SAMPLES, FINE = 501, 5001

@@ -18,11 +18,11 @@ import numpy as np
 from ...models.errors import PathError
 from ...models.rig.rig import Rig
 from ...models.types import Array
-from ..exact.inverse import solve
 from ..exact.motion import Motion
 from ..exact.refusal import accept_columns
 from ..paths.recordings import SampledPath
 from ..paths.reference import Reference
+from ..solving.inverse import solve
 
 RESOLVED = 1e-6
 """Of an input's largest value, below which rounding in the splines is not accounted for."""

@@ -7,6 +7,7 @@ in ascending order of the first factor's coefficients, so that results do not ch
 
 import math
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 
@@ -15,6 +16,11 @@ from ...models.types import Array
 
 def factorials(orders: int) -> Array:
     """0!, 1!, ...: derivatives are Taylor coefficients times these; shape (orders,)."""
+    return _factorials(orders).copy()
+
+
+@cache
+def _factorials(orders: int) -> Array:
     return np.array([math.factorial(k) for k in range(orders)], dtype=float)
 
 

@@ -32,10 +32,10 @@ from ...models.errors import OptionError
 from ...models.rig.rig import Rig, Rope
 from ...models.types import Array
 from ..exact.equations import Equations, redundant
-from ..exact.inverse import solve
 from ..exact.motion import Motion
 from ..exact.problem import equations_of
 from ..paths.straight import hold
+from ..solving.inverse import solve
 
 Columns = Mapping[str, Array]
 

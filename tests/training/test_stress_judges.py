@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from flatrig import feedforward, models
-from flatrig.feedforward.exact import assembly, branch, equations, home, inverse, problem, taylor
+from flatrig.feedforward.exact import assembly, branch, home, problem, taylor
+from flatrig.feedforward.generated import results
 from flatrig.feedforward.paths import reference as paths
 from flatrig.feedforward.planning import feasibility
+from flatrig.feedforward.solving import inverse
 from flatrig.models.rig.parts import Rope
 from flatrig.training.simulate.open_loop import open_loop
 from flatrig.training.stress import rates
@@ -63,11 +65,9 @@ FAULTS = {
     "weights": [(assembly._Builder, "add_weight", heavier)],
     "tensions": [
         (
-            equations.Equations,
+            results.Results,
             "tensions",
-            lambda self, state, multipliers, right=equations.Equations.tensions: right(
-                self, state, multipliers
-            )[:, ::-1],
+            lambda self, right=results.Results.tensions: right(self)[::-1],
         )
     ],
     "slack": [(inverse, "find_slack", lambda *_: ())],

@@ -20,6 +20,7 @@ from ...feedforward import Reference, from_move, solve
 from ...feedforward.exact.branch import branch_of
 from ...feedforward.exact.home import approach
 from ...feedforward.exact.problem import kept_problem
+from ...feedforward.solving.programs import compiled
 from ...models import Rig, default_move
 from ...models.errors import OptionError
 from ...models.types import Array
@@ -117,7 +118,7 @@ def feedforward_table(repetitions: int) -> Table:
 
 def _first(rig: Rig, reference: Reference, times: Array) -> float:
     """Time of a solution with nothing remembered from an earlier one [ms]."""
-    for remembered in (kept_problem, branch_of, approach):
+    for remembered in (kept_problem, branch_of, approach, compiled):
         remembered.cache_clear()
     begin = time.perf_counter()
     solve(rig, reference, times)
