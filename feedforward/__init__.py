@@ -29,6 +29,9 @@ from .planning.timing import Scaled, Shortest, scaled, shortest_duration
 from .planning.uncertainty import input_uncertainty
 from .solving.inverse import solve
 from .stability.energy import Regulator
+from .streaming.record import Commanded
+from .streaming.sample import Sample
+from .streaming.stream import Stream
 
 __all__ = [
     "Analysis",
@@ -36,6 +39,7 @@ __all__ = [
     "Bisected",
     "Box",
     "Clearance",
+    "Commanded",
     "Connected",
     "Curve",
     "CurvedPath",
@@ -48,6 +52,7 @@ __all__ = [
     "Reference",
     "Regulator",
     "RestToRest",
+    "Sample",
     "Scaled",
     "Shortest",
     "Sizing",
@@ -55,6 +60,7 @@ __all__ = [
     "Sphere",
     "State",
     "Stopped",
+    "Stream",
     "ThreePhase",
     "Waypoints",
     "along",

@@ -15,18 +15,11 @@ from .taylor import Solution
 
 def motion_of(branch: Branch, solution: Solution, times: Array, taylor: Array) -> Motion:
     """The motion that a solution at instants (N,) is."""
-    rig, equations = branch.problem.rig, branch.problem.equations
+    equations = branch.problem.equations
     n, m = len(equations.names), len(equations.constraint_names)
     state = np.array([[w[0], w[1], 2.0 * w[2]] for w in solution.series[:n]])
     values = np.array([w[0] for w in solution.series[n:]]).T
-    platforms: dict[str, Array] = {}
-    for orientation in equations.orientations:
-        if orientation.angles[0] in rig.outputs:  # exactly as prescribed
-            for name in orientation.angles:
-                prescribed = taylor[:3, :, rig.outputs.index(name)]
-                platforms[name] = prescribed * factorials(3)[:, None]
-        else:
-            platforms |= bryant_angles(orientation, state)
+    platforms = platform_angles(equations, state, taylor)
     angles = branch.turned(times)
     motion = named_motion(equations, times, state, angles, platforms, values[:, :m], values[:, m:])
     return replace(motion, branch=branch)
@@ -82,6 +75,23 @@ def named_motion(
         multipliers=multipliers,
         slack=find_slack(equations.rig, times, tensions),
     )
+
+
+def platform_angles(equations: Equations, state: Array, taylor: Array) -> dict[str, Array]:
+    """Bryant angles with two derivatives, (3, N) each: as prescribed, or else from the state.
+
+    A state is (n, 3, N), the reference's Taylor coefficients are (orders, N, outputs).
+    """
+    outputs = equations.rig.outputs
+    platforms: dict[str, Array] = {}
+    for orientation in equations.orientations:
+        if orientation.angles[0] in outputs:
+            for name in orientation.angles:
+                prescribed = taylor[:3, :, outputs.index(name)]
+                platforms[name] = prescribed * factorials(3)[:, None]
+        else:
+            platforms |= bryant_angles(orientation, state)
+    return platforms
 
 
 def bryant_angles(orientation: Orientation, state: Array) -> dict[str, Array]:

@@ -1,0 +1,1 @@
+"""Driving a rig by the velocity of its load, tick by tick."""

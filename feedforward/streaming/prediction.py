@@ -1,0 +1,130 @@
+"""What follows from a command: it is held for a moment, then the rig comes to rest."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ...models.types import Array, Mask
+from ..exact.problem import Problem
+from ..exact.taylor import Solution, expand
+from ..series.products import factorials
+from .command_filter import CommandFilter
+
+SPACING = 0.2
+"""Of samples after the command has ended, over the lag."""
+GROWTH = 0.04
+"""Of that spacing from each sample to the next, as the motion gets slower."""
+RESTED = 1e-3
+"""Of a speed in full, below which the rig rests for a prediction."""
+
+
+class Courses(NamedTuple):
+    """What follows from several commands, at the same N instants."""
+
+    taylor: Array
+    """Of the outputs, shape (orders, courses, N, outputs)."""
+    solution: Solution
+    """At courses times N samples, course by course."""
+    values: Array
+    """Unknowns, shape (unknowns, courses, N)."""
+    solved: Mask
+    """Where there is a solution on the branch, shape (courses, N)."""
+
+    def part(self, course: int, samples: int) -> tuple[Array, Solution]:
+        """Taylor coefficients and solution of the first samples of one course."""
+        first = course * self.values.shape[2]
+        cut = slice(first, first + samples)
+        series = [[w[cut] for w in known] for known in self.solution.series]
+        signs = {block: sign[cut] for block, sign in self.solution.signs.items()}
+        straight = self.solution.straight[cut]
+        return self.taylor[:, course, :samples], Solution(series, signs, straight)
+
+
+class Prediction:
+    """The outputs at some instants after a command.
+
+    Parameters
+    ----------
+    problem
+        Of the rig.
+    filter
+        From commands to outputs.
+    held
+        Instants at which the command is held [s], shape (H,); it ends at the last.
+    after
+        Steps from there to later instants [s].
+    """
+
+    def __init__(
+        self, problem: Problem, filter: CommandFilter, held: list[float], after: list[float]
+    ) -> None:
+        self.problem = problem
+        self.offsets = np.array([*held, *(held[-1] + np.cumsum(after))])
+        """Instants after the command [s], shape (N,)."""
+        states = [filter.step(offset) for offset in held]
+        for step in after:
+            states.append(filter.step(step) @ filter.released @ states[-1])
+        scale = factorials(problem.order + 1)[:, None]
+        readout = filter.readout(problem.order) / scale
+        self._readouts = np.array([readout @ state for state in states]).swapaxes(0, 1)
+
+    def taylor(self, state: Array, commands: Array) -> Array:
+        """Of the outputs after commands (courses, size), shape (orders, courses, N, size)."""
+        common = self._readouts[..., :-1] @ state[:-1]
+        held = self._readouts[:, None, :, -1, None] * commands[None, :, None, :]
+        return np.asarray(common[:, None] + held)
+
+    def courses(
+        self, signs: dict[int, float], state: Array, commands: Array, guess: Array
+    ) -> Courses:
+        """What follows from some commands.
+
+        Parameters
+        ----------
+        signs
+            Of the blocks' determinants on the branch.
+        state
+            Of the filter, shape (n+2, size).
+        commands
+            Shape (courses, size).
+        guess
+            Of the unknowns at the instants, shape (unknowns, N).
+        """
+        taylor = self.taylor(state, commands)
+        orders, courses, samples, size = taylor.shape
+        flat = taylor.reshape(orders, courses * samples, size)
+        many = np.tile(guess, courses)
+        solution = expand(self.problem, flat, many, follow=False, sides=signs)
+        return _courses(taylor, solution, signs)
+
+    def followed(self, signs: dict[int, float], state: Array, start: Array) -> Courses:
+        """The stop from a state of the filter, followed from the unknowns at it (unknowns, 1)."""
+        taylor = self.taylor(state, np.zeros((1, state.shape[1])))
+        solution = expand(self.problem, taylor[:, 0], start, follow=True, sides=signs)
+        return _courses(taylor, solution, signs)
+
+
+def of_stops(problem: Problem, filter: CommandFilter, period: float, moment: float) -> Prediction:
+    """A command held for a moment, then the stop; the second instant is the middle of a tick.
+
+    All times are in s.
+    """
+    step = SPACING * filter.lag
+    parts = math.ceil(moment / step)
+    after: list[float] = []
+    rest = filter.resting(RESTED)
+    while sum(after) < rest:
+        after.append(step * (1.0 + GROWTH * len(after)))
+    held = [0.0, 0.5 * period, *(moment * np.arange(1, parts + 1) / parts)]
+    return Prediction(problem, filter, held, after)
+
+
+def _courses(taylor: Array, solution: Solution, signs: dict[int, float]) -> Courses:
+    _, courses, samples, _ = taylor.shape
+    good = solution.solved
+    for block, sign in solution.signs.items():
+        good = good & (sign == signs[block])
+    values = solution.values
+    shape = courses, samples
+    return Courses(taylor, solution, values.reshape(-1, *shape), good.reshape(shape))

@@ -1,0 +1,295 @@
+"""Drive a rig by the velocity of its load, tick by tick, with exact inputs.
+
+    stream = Stream(models.rotary_crane(), start=(5, 0, -5), rate=100)
+    sample = stream.tick((0.5, 0.0, 0.2))       # what is to be done in the next 10 ms
+    sample.inputs, sample.drive_positions       # [N] or [N m], and what encoders should read
+    sample.velocity                             # what the governor let through of the command
+    stream.stop()                               # one tick of coming to rest, likewise
+    stream.reference                            # the path so far and its stop, for `solve`
+
+A command is what the velocities of the outputs are to be, of a platform's angles their rates.  It
+goes through lags that make it as smooth as the rig needs, see `command_filter`, and the inputs that
+follow are exact: the outputs move as `reference` says, and nothing swings.
+
+A governor looks at each command before it is taken: if the rig, after a moment of it, can be
+stopped within `share` of its drives' limits, with `margin` in every rope, on its rails and without
+passing a singular place, the command is let through; otherwise as much of it, axis by axis, as can
+be.  See `governor`.
+
+Limits: a stop is looked at at samples a fifth of the lag apart, which is why less than the whole
+limits should be shared out.  Obstacles and the ground are not known.  Nothing is fed back: what the
+rig really does is up to a controller on top, such as `envs.PD`.
+"""
+
+import copy
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...models.errors import OptionError, PathError, RigError
+from ...models.rig.rig import Rig
+from ...models.types import Array
+from ...models.values import as_number, reals, shown
+from ..exact.branch import turning_angles
+from ..exact.problem import problem_of
+from ..exact.refusal import failure
+from ..exact.state import State
+from ..exact.taylor import Solution
+from ..paths.straight import hold
+from ..series.products import factorials
+from ..solving.inverse import solve
+from .bounds import Bounds
+from .command_filter import CommandFilter
+from .governor import Governor
+from .prediction import Prediction, of_stops
+from .record import Commanded
+from .sample import Sample, sample_of
+
+GOVERNED = 100.0
+"""Decisions per second, at most [Hz]: faster ticks hold a command in between."""
+RESTING = 1e-9
+"""Distance [m] or [rad] still to go at which a stream rests."""
+SHORTEST, LONGEST = 1e-3, 1e2
+"""Lags [s]."""
+SLOWEST, FASTEST = 1.0, 1e5
+"""Ticks per second [Hz]."""
+
+
+class Stream:
+    """A rig that is driven by the velocities of its outputs.
+
+    Parameters
+    ----------
+    rig
+        A flat rig.
+    start
+        Where it starts: outputs at which it rests, shape (outputs,), or the state of a motion that
+        it continues, as `Motion.at` gives it.
+    lag
+        Time constant of the command filter [s]: the outputs follow a command after as many lags as
+        the rig needs derivatives.
+    rate
+        Ticks per second [Hz].
+    share
+        Of the drives' limits that may be used, above 0 and at most 1.
+    margin
+        Lowest tension in every rope [N].
+
+    Raises
+    ------
+    RigError
+        The rig is not flat, or the state is another rig's.
+    SmoothnessError, PathError
+        The rig cannot be at the start, or has a rope there that would have to push, or no way to
+        stop from it.
+    OptionError
+        A number is out of range.
+    """
+
+    def __init__(
+        self,
+        rig: Rig,
+        start: ArrayLike | State,
+        *,
+        lag: float = 0.3,
+        rate: float = 100.0,
+        share: float = 0.95,
+        margin: float = 0.0,
+    ) -> None:
+        self._problem = problem_of(rig)
+        self.rig = rig
+        self.lag = _between("lag", lag, SHORTEST, LONGEST, "s")
+        self.rate = _between("rate", rate, SLOWEST, FASTEST, "Hz")
+        self.share = _between("share", share, 1e-6, 1.0, "of the limits")
+        self.margin = _between("margin", margin, 0.0, rig.weight, "N")
+        self.begin = _begin(rig, start)
+        """The state that it started from, for `solve(rig, stream.reference, times, begin=...)`."""
+        filter = CommandFilter(self.lag, max(self._problem.analysis.reference_order, 1))
+        self._every = max(1, round(self.rate / GOVERNED))
+        period, moment = self.period, self._every * self.period
+        self._filter, self._step = filter, filter.step(period)
+        prediction = of_stops(self._problem, filter, period, moment)
+        bounds = Bounds(self._problem, self.share, self.margin)
+        self._governor = Governor(prediction, bounds, self.begin.signs)
+        self._tick = Prediction(self._problem, filter, [0.0, 0.5 * period], [])
+        self._state = filter.state_of(self.begin.derivatives)
+        self._angles = self.begin.angles
+        self._ticks = self._decided = 0
+        self._knots = [(0, self._state)]
+        first = prediction.followed(self.begin.signs, self._state, self.begin.unknowns[:, None])
+        if not first.solved.all():
+            taylor, solution = first.part(0, len(prediction.offsets))
+            raise self._refusal(prediction.offsets, taylor, solution)
+        self._values = first.values[:, 0]
+
+    @property
+    def period(self) -> float:
+        """Of a tick [s]."""
+        return 1.0 / self.rate
+
+    @property
+    def time(self) -> float:
+        """When the next tick begins [s]."""
+        return self._ticks / self.rate
+
+    @property
+    def outputs(self) -> Array:
+        """Where the outputs are as the next tick begins, shape (outputs,)."""
+        return np.array(self._state[0])
+
+    @property
+    def resting(self) -> bool:
+        """Whether the outputs have come to rest."""
+        return bool((self.lag * np.abs(self._state[1:-1]).sum(axis=0) < RESTING).all())
+
+    def tick(self, velocity: ArrayLike) -> Sample:
+        """What is to be done in the next tick.
+
+        Parameters
+        ----------
+        velocity
+            That the outputs are to have [m/s] or [rad/s], shape (outputs,).
+
+        Raises
+        ------
+        PathError
+            The velocity is not as many finite numbers as there are outputs; or the rig cannot
+            follow even a stop, in which case the stream is as it was before.
+        """
+        wanted = self._checked(velocity)
+        decision = None
+        if self._ticks % self._every == 0:
+            guess = self._guess(self._governor.prediction.offsets)
+            decision = self._governor.decide(self._state, wanted, guess)
+            used, courses, chosen = decision.velocity, decision.courses, decision.chosen
+        else:
+            guess, used, chosen = self._guess(self._tick.offsets), self._state[-1], 0
+            courses = self._tick.courses(self.begin.signs, self._state, used[None], guess)
+        taylor, solution = courses.part(chosen, 2)
+        if not courses.solved[chosen, :2].all():
+            raise self._refusal(self.time + self._tick.offsets, taylor, solution)
+        sample = sample_of(self._problem, self.time, used, taylor, solution, self._angles)
+        near = turning_angles(self._problem.equations, solution.values, self._angles)
+        self._angles = {name: float(angle[0]) for name, angle in near.items()}
+        if decision is not None:
+            self._values, self._decided = decision.values, self._ticks
+        state = self._state.copy()
+        if (state[-1] != used).any():
+            state[-1] = used
+            self._knots.append((self._ticks, state))
+        self._state = self._step @ state
+        self._ticks += 1
+        return sample
+
+    def stop(self) -> Sample:
+        """What is to be done in the next tick to come to rest; to be repeated until `resting`.
+
+        Raises
+        ------
+        PathError
+            As `tick`.
+        """
+        return self.tick(np.zeros(len(self.rig.outputs)))
+
+    @property
+    def state(self) -> State:
+        """The state as the next tick begins, for a motion that continues this one.
+
+        For example `solve(rig, connected(stream.state.derivatives, goal, 5.0), times,
+        begin=stream.state)`.
+        """
+        now = np.zeros(1)
+        here = Prediction(self._problem, self._filter, [0.0], [])
+        courses = here.courses(
+            self.begin.signs, self._state, self._state[None, -1], self._guess(now)
+        )
+        taylor, solution = courses.part(0, 1)
+        if not courses.solved.all():
+            raise self._refusal(now + self.time, taylor, solution)
+        near = turning_angles(self._problem.equations, solution.values, self._angles)
+        return State(
+            problem=self._problem,
+            time=self.time,
+            derivatives=taylor[:, 0] * factorials(len(taylor))[:, None],
+            unknowns=solution.values[:, 0],
+            signs=self.begin.signs,
+            angles={name: float(angle[0]) for name, angle in near.items()},
+        )
+
+    @property
+    def reference(self) -> Commanded:
+        """The path that was commanded until now, and the stop that would follow."""
+        stop = self._state.copy()
+        stop[-1] = 0.0
+        knots = [*self._knots, (self._ticks, stop)]
+        return Commanded(
+            filter=self._filter,
+            knots=np.array([tick / self.rate for tick, _ in knots]),
+            states=np.array([state for _, state in knots]),
+            duration=self.time + self._filter.resting(),
+        )
+
+    def copy(self) -> "Stream":
+        """A stream that goes on from here by itself."""
+        other = copy.copy(self)
+        other._knots = self._knots.copy()
+        return other
+
+    def _guess(self, offsets: Array) -> Array:
+        """The unknowns at some times after now (N,), by the last decision: (unknowns, N)."""
+        since = (self._ticks - self._decided) / self.rate
+        known = self._governor.prediction.offsets
+        at = np.clip(since + offsets, 0.0, known[-1])
+        below = np.minimum(np.searchsorted(known, at, side="right") - 1, len(known) - 2)
+        share = (at - known[below]) / (known[below + 1] - known[below])
+        left, right = self._values[:, below], self._values[:, below + 1]
+        return np.asarray(left + share * (right - left))
+
+    def _checked(self, velocity: ArrayLike) -> Array:
+        values = reals("velocity", velocity, error=PathError)
+        names = self.rig.outputs
+        if values.shape != (len(names),):
+            raise PathError(
+                f"velocity has shape {values.shape}, rig {self.rig.name} needs {len(names)} "
+                f"numbers: {', '.join(names)}"
+            )
+        for i in np.flatnonzero(~np.isfinite(values))[:1]:
+            raise PathError(f"velocity of {names[i]} is {values[i]}, it must be finite")
+        return values
+
+    def _refusal(self, times: Array, taylor: Array, solution: Solution) -> PathError:
+        error = failure(self._problem, solution, self.begin.signs, times, taylor[0])
+        return error or PathError(f"rig {self.rig.name} has no solution at {times[0]:.6g} s")
+
+
+def _begin(rig: Rig, start: ArrayLike | State) -> State:
+    """The state that a stream starts from.
+
+    Raises
+    ------
+    RigError, SmoothnessError, PathError
+        As `Stream`.
+    """
+    if isinstance(start, State):
+        if start.problem.rig != rig:
+            raise RigError(
+                f"start is a state of rig {start.problem.rig.name} with other numbers than this one"
+                if start.problem.rig.name == rig.name
+                else f"start is a state of rig {start.problem.rig.name}, not of {rig.name}"
+            )
+        return start
+    motion = solve(rig, hold(np.asarray(start)), 0.0)
+    for slack in motion.slack[:1]:
+        raise PathError(
+            f"rope {slack.rope} would have to push at the start of the stream "
+            f"({slack.lowest:.4g} N)"
+        )
+    return motion.at(0.0)
+
+
+def _between(name: str, value: object, low: float, high: float, unit: str) -> float:
+    number = as_number(value)
+    if not low <= number <= high or not math.isfinite(number):
+        raise OptionError(f"{name} is {shown(value)}, it must be from {low:g} to {high:g} {unit}")
+    return number
