@@ -28,6 +28,8 @@ from .planning.obstacles import Box, Clearance, Sphere, clearance
 from .planning.timing import Scaled, Shortest, scaled, shortest_duration
 from .planning.uncertainty import input_uncertainty
 from .solving.inverse import solve
+from .solving.source import source
+from .solving.stepper import Step, Stepper
 from .stability.energy import Regulator
 from .streaming.record import Commanded
 from .streaming.sample import Sample
@@ -59,6 +61,8 @@ __all__ = [
     "Slack",
     "Sphere",
     "State",
+    "Step",
+    "Stepper",
     "Stopped",
     "Stream",
     "ThreePhase",
@@ -86,6 +90,7 @@ __all__ = [
     "scaled",
     "shortest_duration",
     "solve",
+    "source",
     "stopped",
     "three_phase",
 ]

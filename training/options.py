@@ -61,6 +61,16 @@ class Solve(RigOptions):
     """Write it even if the rig cannot make the move."""
 
 
+@command(crane=".describe.write_source:main")
+class Export(RigOptions):
+    """Write exact feedforward as source for a controller, which tests itself with the move."""
+
+    c: Annotated[str, arg(metavar="PATH")] = ""
+    """C99 file to write, its header beside it; or - for standard output."""
+    python: Annotated[str, arg(metavar="PATH")] = ""
+    """Python file to write, or -."""
+
+
 @command(
     crane=".compare.compare_cranes:main",
     hand=".compare.compare_hands:main",

@@ -1,28 +1,26 @@
 """From the unknowns of the equations to the coordinates of a rig's parts."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...models.types import Array
 from ..series.products import factorials
 from ..series.rotation import bryant
-from .branch import Branch
 from .equations import Equations, Orientation
 from .motion import Motion, find_slack
+from .problem import Problem
 from .taylor import Solution
 
 
-def motion_of(branch: Branch, solution: Solution, times: Array, taylor: Array) -> Motion:
-    """The motion that a solution at instants (N,) is."""
-    equations = branch.problem.equations
+def motion_of(
+    problem: Problem, solution: Solution, times: Array, taylor: Array, angles: dict[str, Array]
+) -> Motion:
+    """The motion that a solution at instants (N,) is; parameters as of `named_motion`."""
+    equations = problem.equations
     n, m = len(equations.names), len(equations.constraint_names)
     state = np.array([[w[0], w[1], 2.0 * w[2]] for w in solution.series[:n]])
     values = np.array([w[0] for w in solution.series[n:]]).T
     platforms = platform_angles(equations, state, taylor)
-    angles = branch.turned(times)
-    motion = named_motion(equations, times, state, angles, platforms, values[:, :m], values[:, m:])
-    return replace(motion, branch=branch)
+    return named_motion(equations, times, state, angles, platforms, values[:, :m], values[:, m:])
 
 
 def named_motion(

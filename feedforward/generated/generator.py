@@ -18,7 +18,7 @@ from .angles import Series, directors, sine_cosine
 from .builder import Builder, Polynomial, add, convolution, scaled
 from .elimination import Eliminated, Matrix, Pivot, choose
 from .forms import Factored, Form, factored
-from .program import Newton, Program, Regular, Root, Solve, Value, live
+from .program import Newton, Program, Regular, Root, Solve, Value, live, needs
 from .results import Coefficient, Results
 
 
@@ -68,20 +68,21 @@ class _Generator:
             (self.known[j, 0], self.known.get((j, 1), 0.0), self.known.get((j, 2), 0.0))
             for j in self.newton
         )
-        with self.builder.apart() as extra:
+        with self.builder.apart() as further:
             spans = results.spans()
         wanted = [*(v for row in kinematics for v in row), *values[n:], *tensions]
         wanted += [v for group in carried for v in group]
         wanted += [name for name in self.blocks.values() if name]
-        wanted += [v for _, vector, length in spans for v in (*vector, length)]
-        kept = live([*self.builder.operations, *extra], wanted)
-        apart = set(map(id, extra))
-        tail = [operation for operation in kept if id(operation) in apart]
+        extra = [v for _, vector, length in spans for v in (*vector, length)]
+        tail = live(further, extra)
+        kept = live(
+            self.builder.operations, [*wanted, *extra, *(v for o in tail for v in needs(o))]
+        )
         return Program(
             order=problem.order,
             columns=len(rig.outputs),
-            operations=kept[: len(kept) - len(tail)],
-            extra=tuple(tail),
+            operations=kept,
+            extra=tail,
             blocks=tuple(self.blocks),
             determinants=tuple(name for name in self.blocks.values() if name),
             scalar=tuple(i for i, name in enumerate(self.blocks.values()) if name),

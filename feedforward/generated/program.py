@@ -80,7 +80,10 @@ class Factor(NamedTuple):
 
 
 class Solve(NamedTuple):
-    """names = the solution of factored equations for a right-hand side, by the operations."""
+    """names = the solution of factored equations for a right-hand side, by the operations.
+
+    What nothing needs of it has no name, "".
+    """
 
     factor: int
     right: tuple[Value, ...]
@@ -169,7 +172,7 @@ def results(operation: Operation) -> tuple[str, ...]:
 
 
 def needs(operation: Operation) -> Iterator[Value]:
-    """What an operation is computed from, its inner operations' own results among it."""
+    """What an operation itself, without its inner ones, is computed from."""
     match operation:
         case Sum():
             for term in operation.terms:
@@ -189,24 +192,45 @@ def needs(operation: Operation) -> Iterator[Value]:
             yield from (*operation.right, *operation.values)
         case Newton():
             yield from (*operation.starts, *operation.changes)
-    if isinstance(operation, (Factor, Solve, Newton)):
-        for inner in operation.operations:
-            yield from needs(inner)
 
 
 def live(operations: Iterable[Operation], wanted: Iterable[Value]) -> tuple[Operation, ...]:
-    """The operations without those whose results nothing needs."""
-    needed = set(wanted)
-    kept: list[Operation] = []
-    for operation in reversed(tuple(operations)):
-        if isinstance(operation, Factor):
-            used = any(
-                isinstance(other, (Solve, Regular)) and other.factor == operation.number
-                for other in kept
-            )
-        else:
-            used = isinstance(operation, Regular) or not needed.isdisjoint(results(operation))
-        if used:
-            kept.append(operation)
-            needed |= set(needs(operation))
-    return tuple(reversed(kept))
+    """The operations without those whose results nothing needs, inner ones included."""
+    return _Living(wanted).of(operations)
+
+
+class _Living:
+    """What is needed by operations later than those looked at, which are taken from the end."""
+
+    def __init__(self, wanted: Iterable[Value]) -> None:
+        self.needed = set(wanted)
+        self.factors: set[int] = set()
+        self.determinants: set[int] = set()
+
+    def of(self, operations: Iterable[Operation]) -> tuple[Operation, ...]:
+        kept = [self._kept(operation) for operation in reversed(tuple(operations))]
+        return tuple(operation for operation in reversed(kept) if operation is not None)
+
+    def _kept(self, operation: Operation) -> Operation | None:
+        match operation:
+            case Factor():
+                if operation.number not in self.factors:
+                    return None
+                if operation.number in self.determinants:
+                    self.needed.add(operation.determinant)
+                self.needed |= {name for name, _ in operation.guards}
+            case Regular():
+                self.factors.add(operation.factor)
+                self.determinants.add(operation.factor)
+            case _ if self.needed.isdisjoint(results(operation)):
+                return None
+        if isinstance(operation, Solve):
+            self.factors.add(operation.factor)
+            pairs = zip(operation.names, operation.values, strict=True)
+            wanted = [(n, v) if n in self.needed else ("", 0.0) for n, v in pairs]
+            names, values = zip(*wanted, strict=True)
+            operation = operation._replace(names=names, values=values)
+        self.needed |= set(needs(operation))
+        if isinstance(operation, (Factor, Solve, Newton)):
+            return operation._replace(operations=self.of(operation.operations))
+        return operation

@@ -23,10 +23,11 @@ from .program import (
 )
 from .words import number, text_of
 
-Dialect = Literal["scalar", "numpy"]
+Dialect = Literal["scalar", "stepping", "numpy"]
 
 HEADERS = {
     "scalar": "from math import atan2, cos, pi, sin, sqrt\n",
+    "stepping": "from math import atan2, cos, pi, sin, sqrt\n",
     "numpy": "from numpy import abs, arctan2 as atan2, cos, maximum, pi, round, sin, sqrt, where\n",
 }
 
@@ -35,9 +36,10 @@ def python_source(program: Program, dialect: Dialect) -> str:
     """The source of a module with the function `step`.
 
     `step(r, g, side)` takes the Taylor coefficients of the reference, order by order and column by
-    column, the guesses and the sides of the blocks.  It returns what `rows` lists, or None where
-    the program has no solution to offer; with arrays it takes a mask in addition, from which it
-    removes those samples, and returns results anyway.
+    column, the guesses and the sides of the blocks.  It returns what `rows` lists and what guesses
+    follow from, or None where the program has no solution to offer; "stepping" adds the length and
+    the vector of each span.  With arrays it takes a mask in addition, from which it removes samples
+    without a solution, and returns what `rows` lists anyway.
     """
     return _Printer(program, dialect).source()
 
@@ -86,7 +88,8 @@ def forgetting(lines: Sequence[str], wanted: Collection[str]) -> Iterator[str]:
 
 class _Printer:
     def __init__(self, program: Program, dialect: Dialect) -> None:
-        self.program, self.scalar = program, dialect == "scalar"
+        self.program, self.scalar = program, dialect != "numpy"
+        self.stepping = dialect == "stepping"
         self.sides = {block: f"s{i}" for i, block in enumerate(program.blocks)}
         self.looping = False
         self.header = HEADERS[dialect]
@@ -109,7 +112,15 @@ class _Printer:
             whole = ", ".join(text_of(value) for value in rows(program))
             carried = ", ".join(text_of(v) for group in program.carried for v in group)
             lines.append(f"    motion = ({whole},)")
-            lines.append(f"    return motion, ({carried}{',' if carried else ''})")
+            more = ""
+            if self.stepping:
+                lines += ["    " + line for line in self.lines(program.extra)]
+                spans = ", ".join(
+                    f"({text_of(length)}, {', '.join(map(text_of, vector))})"
+                    for _, vector, length in program.spans
+                )
+                more = f", ({spans}{',' if spans else ''})"
+            lines.append(f"    return motion, ({carried}{',' if carried else ''}){more}")
         else:
             lines.append(f"    return ({', '.join(text_of(value) for value in rows(program))},)")
         return self.header + "\n\n" + "\n".join(lines) + "\n"
@@ -180,7 +191,8 @@ class _Printer:
     def _solve(self, operation: Solve) -> Iterator[str]:
         yield from self.lines(operation.operations)
         for name, value in zip(operation.names, operation.values, strict=True):
-            yield f"{name} = {text_of(value)}"
+            if name:
+                yield f"{name} = {text_of(value)}"
 
     def _regular(self, operation: Regular) -> Iterator[str]:
         """A check on the safe side: see `exact.taylor`, of a loose block `exact.linear`.

@@ -127,7 +127,7 @@ def motion_along(branch: Branch, times: Array) -> Motion:
             rest = interpreted(branch, times[~good])
         except PathError:
             return interpreted(branch, times)  # which says why, knowing the samples before
-        values = _rows(rest)
+        values = rows_of(rest)
         rows[: len(values), ~good] = values
     names = found.program.names
     positions, velocities, accelerations, multipliers, inputs, tensions = found.parts(rows)
@@ -155,10 +155,11 @@ def interpreted(branch: Branch, times: Array) -> Motion:
         There is none at one of the instants.
     """
     taylor, solution = branch.expanded(times)
-    return motion_of(branch, solution, times, taylor)
+    motion = motion_of(branch.problem, solution, times, taylor, branch.turned(times))
+    return replace(motion, branch=branch)
 
 
-def _rows(motion: Motion) -> Array:
+def rows_of(motion: Motion) -> Array:
     """A motion as the results of a program."""
     return np.vstack((
         motion.positions.T, motion.velocities.T, motion.accelerations.T,

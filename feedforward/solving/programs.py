@@ -55,6 +55,11 @@ class Compiled:
         return _function(self.program, "numpy")
 
     @cached_property
+    def stepping(self) -> Step:
+        """For one sample, with the ropes' spans."""
+        return _function(self.program, "stepping")
+
+    @cached_property
     def size(self) -> int:
         """Number of results."""
         return len(rows(self.program))

@@ -1,0 +1,37 @@
+"""`flatrig export`: a crane's exact feedforward as source for a controller."""
+
+from pathlib import Path
+
+from ... import feedforward
+from ...models.errors import OptionError
+from ...models.files import STANDARD_OUTPUT, write_text
+from .. import options
+from ..console import console
+
+
+def main(command: options.Export) -> None:
+    """Write what is asked for: C with its header, or Python."""
+    if not command.c and not command.python:
+        raise OptionError("say what to write: --c FILE.c or --python FILE.py")
+    for name, suffix in (("c", ".c"), ("python", ".py")):
+        path = getattr(command, name)
+        if path and path != STANDARD_OUTPUT and Path(path).suffix != suffix:
+            raise OptionError(f"--{name} is {path}, it must end in {suffix}")
+    rig, move = command.target()
+    reference = feedforward.from_move(move)
+    out = console()
+    if command.c:
+        text = feedforward.source(rig, "c", reference)
+        header = feedforward.source(rig, "c header", reference)
+        write_text(command.c, text)
+        if command.c != STANDARD_OUTPUT:
+            beside = Path(command.c).with_suffix(".h")
+            write_text(beside, header)
+            out.print(f"wrote {command.c} and {beside}", soft_wrap=True)
+            out.print(
+                f"test it: cc -std=c99 -DSELF_TEST {command.c} -lm && ./a.out", soft_wrap=True
+            )
+    if command.python:
+        write_text(command.python, feedforward.source(rig, "python"))
+        if command.python != STANDARD_OUTPUT:
+            out.print(f"wrote {command.python}", soft_wrap=True)
