@@ -52,13 +52,10 @@ def named_motion(
         Shape (N, inputs).
     """
     columns = dict(zip(equations.names, state, strict=True))
-    hidden = {i for orientation in equations.orientations for i in orientation.directors}
     for name, cos, sin in equations.turning:
         columns[name] = _turning_angle(state[cos], state[sin], angles[name])
-        hidden |= {cos, sin}
     columns |= platforms
-    auxiliary = [name for i, name in enumerate(equations.names) if i not in hidden]
-    names = tuple(dict.fromkeys((*equations.rig.coordinate_names, *auxiliary)))
+    names = coordinate_names(equations)
     kinematics = np.array([columns[name] for name in names]).transpose(1, 2, 0)
     tensions = equations.tensions(state[:, 0].T, multipliers)
     return Motion(
@@ -73,6 +70,14 @@ def named_motion(
         multipliers=multipliers,
         slack=find_slack(equations.rig, times, tensions),
     )
+
+
+def coordinate_names(equations: Equations) -> tuple[str, ...]:
+    """Of a motion's columns: the rig's coordinates, then auxiliary ones of the equations."""
+    hidden = {i for orientation in equations.orientations for i in orientation.directors}
+    hidden |= {i for _, cos, sin in equations.turning for i in (cos, sin)}
+    auxiliary = [name for i, name in enumerate(equations.names) if i not in hidden]
+    return tuple(dict.fromkeys((*equations.rig.coordinate_names, *auxiliary)))
 
 
 def platform_angles(equations: Equations, state: Array, taylor: Array) -> dict[str, Array]:

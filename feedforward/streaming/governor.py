@@ -16,6 +16,7 @@ import numpy as np
 
 from ...models.types import Array
 from .bounds import Bounds
+from .evaluation import Evaluator
 from .prediction import Courses, Prediction
 
 PARTS = 8
@@ -33,19 +34,14 @@ class Decision(NamedTuple):
     chosen: int
     """Course of what was let through."""
 
-    @property
-    def values(self) -> Array:
-        """Unknowns along the course, shape (unknowns, N)."""
-        return self.courses.values[:, self.chosen]
-
 
 class Governor:
     """Lets commands through as far as a rig can be stopped from them."""
 
-    def __init__(self, prediction: Prediction, bounds: Bounds, signs: dict[int, float]) -> None:
-        self.prediction, self.bounds, self.signs = prediction, bounds, signs
+    def __init__(self, prediction: Prediction, bounds: Bounds, evaluator: Evaluator) -> None:
+        self.prediction, self.bounds, self.evaluator = prediction, bounds, evaluator
 
-    def decide(self, state: Array, command: Array, guess: Array) -> Decision:
+    def decide(self, state: Array, command: Array, near: Array) -> Decision:
         """What is let through of a command.
 
         Parameters
@@ -54,12 +50,12 @@ class Governor:
             Of the filter, shape (n+2, size).
         command
             Shape (size,).
-        guess
-            Of the unknowns at the prediction's instants, shape (unknowns, N).
+        near
+            Guesses at the prediction's instants, shape (unknowns + turning frames, N).
         """
 
         def after(commands: Array) -> Courses:
-            return self.prediction.courses(self.signs, state, commands, guess)
+            return self.prediction.courses(self.evaluator, state, commands, near)
 
         whole = after(command[None])
         if not command.any() or self._within(whole, 0.0)[0]:
@@ -88,10 +84,9 @@ class Governor:
         Between samples it may be less, by an eighth of their second difference where that is bent
         upwards: how far the lowest point of a parabola lies below the samples at most.
         """
-        values = courses.values
         with np.errstate(invalid="ignore", over="ignore"):
-            spare = self.bounds.spare(values.reshape(len(values), -1))
-        spare = spare.reshape(-1, *values.shape[1:])
+            spare = self.bounds.spare(courses.found)
+        spare = spare.reshape(len(spare), *courses.solved.shape)
         lowest = spare.min(axis=2)
         first, middle, last = spare[..., 2:-2], spare[..., 3:-1], spare[..., 4:]
         bent = np.maximum(first - 2.0 * middle + last, 0.0)
@@ -99,6 +94,6 @@ class Governor:
 
     def _within(self, courses: Courses, floor: Array | float) -> Array:
         """Which courses have a solution on the branch within all bounds, shape (courses,)."""
-        with np.errstate(invalid="ignore"):
-            whole = courses.solved.all(axis=1) & self.bounds.continuous(courses.values)
+        whole = courses.solved.all(axis=1)
+        whole &= self.bounds.continuous(courses.found, len(whole))
         return np.asarray(whole & (self._spare(courses) >= floor).all(axis=0))

@@ -7,9 +7,9 @@ import numpy as np
 
 from ...models.types import Array, Mask
 from ..exact.problem import Problem
-from ..exact.taylor import Solution, expand
 from ..series.products import factorials
 from .command_filter import CommandFilter
+from .evaluation import Evaluated, Evaluator
 
 SPACING = 0.2
 """Of samples after the command has ended, over the lag."""
@@ -24,21 +24,26 @@ class Courses(NamedTuple):
 
     taylor: Array
     """Of the outputs, shape (orders, courses, N, outputs)."""
-    solution: Solution
-    """At courses times N samples, course by course."""
-    values: Array
-    """Unknowns, shape (unknowns, courses, N)."""
-    solved: Mask
-    """Where there is a solution on the branch, shape (courses, N)."""
+    found: Evaluated
+    """The rig at courses times N samples, course by course."""
 
-    def part(self, course: int, samples: int) -> tuple[Array, Solution]:
-        """Taylor coefficients and solution of the first samples of one course."""
-        first = course * self.values.shape[2]
+    @property
+    def solved(self) -> Mask:
+        """Where there is a solution on the branch, shape (courses, N)."""
+        return self.found.solved.reshape(self.taylor.shape[1:3])
+
+    def near(self, course: int) -> Array:
+        """Guesses for what is close to a course, shape (unknowns + turning frames, N)."""
+        samples = self.taylor.shape[2]
+        return self.found.near[:, course * samples : (course + 1) * samples]
+
+    def part(self, course: int, samples: int) -> tuple[Array, Evaluated]:
+        """Taylor coefficients and the rig at the first samples of one course."""
+        first = course * self.taylor.shape[2]
         cut = slice(first, first + samples)
-        series = [[w[cut] for w in known] for known in self.solution.series]
-        signs = {block: sign[cut] for block, sign in self.solution.signs.items()}
-        straight = self.solution.straight[cut]
-        return self.taylor[:, course, :samples], Solution(series, signs, straight)
+        rows = tuple(row[:, cut] for row in self.found.rows)
+        found = Evaluated(rows, self.found.near[:, cut], self.found.solved[cut])
+        return self.taylor[:, course, :samples], found
 
 
 class Prediction:
@@ -75,34 +80,24 @@ class Prediction:
         held = self._readouts[:, None, :, -1, None] * commands[None, :, None, :]
         return np.asarray(common[:, None] + held)
 
-    def courses(
-        self, signs: dict[int, float], state: Array, commands: Array, guess: Array
-    ) -> Courses:
+    def courses(self, evaluator: Evaluator, state: Array, commands: Array, near: Array) -> Courses:
         """What follows from some commands.
 
         Parameters
         ----------
-        signs
-            Of the blocks' determinants on the branch.
+        evaluator
+            Of the rig.
         state
             Of the filter, shape (n+2, size).
         commands
             Shape (courses, size).
-        guess
-            Of the unknowns at the instants, shape (unknowns, N).
+        near
+            Guesses at the instants, shape (unknowns + turning frames, N).
         """
         taylor = self.taylor(state, commands)
         orders, courses, samples, size = taylor.shape
         flat = taylor.reshape(orders, courses * samples, size)
-        many = np.tile(guess, courses)
-        solution = expand(self.problem, flat, many, follow=False, sides=signs)
-        return _courses(taylor, solution, signs)
-
-    def followed(self, signs: dict[int, float], state: Array, start: Array) -> Courses:
-        """The stop from a state of the filter, followed from the unknowns at it (unknowns, 1)."""
-        taylor = self.taylor(state, np.zeros((1, state.shape[1])))
-        solution = expand(self.problem, taylor[:, 0], start, follow=True, sides=signs)
-        return _courses(taylor, solution, signs)
+        return Courses(taylor, evaluator(flat, np.tile(near, courses)))
 
 
 def of_stops(problem: Problem, filter: CommandFilter, period: float, moment: float) -> Prediction:
@@ -118,13 +113,3 @@ def of_stops(problem: Problem, filter: CommandFilter, period: float, moment: flo
         after.append(step * (1.0 + GROWTH * len(after)))
     held = [0.0, 0.5 * period, *(moment * np.arange(1, parts + 1) / parts)]
     return Prediction(problem, filter, held, after)
-
-
-def _courses(taylor: Array, solution: Solution, signs: dict[int, float]) -> Courses:
-    _, courses, samples, _ = taylor.shape
-    good = solution.solved
-    for block, sign in solution.signs.items():
-        good = good & (sign == signs[block])
-    values = solution.values
-    shape = courses, samples
-    return Courses(taylor, solution, values.reshape(-1, *shape), good.reshape(shape))

@@ -2,13 +2,10 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from ...models.rig.rig import Rig
 from ...models.types import Array
-from ..exact.naming import named_motion, platform_angles
-from ..exact.problem import Problem
-from ..exact.taylor import Solution
 from ..series.products import factorials
+from .evaluation import Evaluated
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,49 +37,42 @@ class Sample:
 
 
 def sample_of(
-    problem: Problem,
+    rig: Rig,
+    names: tuple[str, ...],
     time: float,
     velocity: Array,
     taylor: Array,
-    solution: Solution,
-    angles: dict[str, float],
+    found: Evaluated,
 ) -> Sample:
     """The sample of a tick.
 
     Parameters
     ----------
-    problem
-        Of the rig.
+    rig
+        That is driven.
+    names
+        Of its coordinates.
     time
         When the tick begins [s].
     velocity
         What was let through, shape (outputs,).
     taylor
         Of the outputs as the tick begins and at its middle, shape (orders, 2, outputs).
-    solution
-        At these two instants.
-    angles
-        Of the turning frames, to within half a turn.
+    found
+        The rig at these two instants.
     """
-    equations = problem.equations
-    n, m = len(equations.names), len(equations.constraint_names)
-    state = np.array([[w[0][:1], w[1][:1], 2.0 * w[2][:1]] for w in solution.series[:n]])
-    forces = np.array([w[0] for w in solution.series[n:]]).T
-    near = {name: np.array([angle]) for name, angle in angles.items()}
-    platforms = platform_angles(equations, state, taylor[:, :1])
-    motion = named_motion(
-        equations, np.array([time]), state, near, platforms, forces[:1, :m], forces[1:, m:]
-    )
+    positions, velocities, accelerations = (rows[:, 0].copy() for rows in found.rows[:3])
+    driven = [names.index(rig.driven(drive).coordinate) for drive in rig.drives]
     return Sample(
         time=time,
         velocity=velocity,
-        inputs=motion.inputs[0],
+        inputs=found.inputs[:, 1].copy(),
         derivatives=taylor[:, 0] * factorials(len(taylor))[:, None],
-        tensions=motion.tensions[0],
-        drive_positions=motion.drive_positions[0],
-        drive_velocities=motion.drive_velocities[0],
-        coordinate_names=motion.coordinate_names,
-        positions=motion.positions[0],
-        velocities=motion.velocities[0],
-        accelerations=motion.accelerations[0],
+        tensions=found.tensions[:, 0].copy(),
+        drive_positions=positions[driven],
+        drive_velocities=velocities[driven],
+        coordinate_names=names,
+        positions=positions,
+        velocities=velocities,
+        accelerations=accelerations,
     )

@@ -31,16 +31,16 @@ from ...models.errors import OptionError, PathError, RigError
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ...models.values import as_number, reals, shown
-from ..exact.branch import turning_angles
+from ..exact.naming import coordinate_names
 from ..exact.problem import problem_of
 from ..exact.refusal import failure
 from ..exact.state import State
-from ..exact.taylor import Solution
 from ..paths.straight import hold
 from ..series.products import factorials
 from ..solving.inverse import solve
 from .bounds import Bounds
 from .command_filter import CommandFilter
+from .evaluation import Evaluated, Evaluator
 from .governor import Governor
 from .prediction import Prediction, of_stops
 from .record import Commanded
@@ -110,18 +110,33 @@ class Stream:
         period, moment = self.period, self._every * self.period
         self._filter, self._step = filter, filter.step(period)
         prediction = of_stops(self._problem, filter, period, moment)
-        bounds = Bounds(self._problem, self.share, self.margin)
-        self._governor = Governor(prediction, bounds, self.begin.signs)
+        self._names = coordinate_names(self._problem.equations)
+        bounds = Bounds(self._problem, self._names, self.share, self.margin)
+        self._evaluator = Evaluator(self._problem, self.begin.signs)
+        self._governor = Governor(prediction, bounds, self._evaluator)
         self._tick = Prediction(self._problem, filter, [0.0, 0.5 * period], [])
         self._state = filter.state_of(self.begin.derivatives)
-        self._angles = self.begin.angles
         self._ticks = self._decided = 0
         self._knots = [(0, self._state)]
-        first = prediction.followed(self.begin.signs, self._state, self.begin.unknowns[:, None])
-        if not first.solved.all():
-            taylor, solution = first.part(0, len(prediction.offsets))
-            raise self._refusal(prediction.offsets, taylor, solution)
-        self._values = first.values[:, 0]
+        self._near = self._first(prediction)
+
+    def _first(self, prediction: Prediction) -> Array:
+        """Guesses along the stop from the start, followed from there.
+
+        Raises
+        ------
+        PathError
+            There is no way to stop.
+        """
+        taylor = prediction.taylor(self._state, np.zeros((1, len(self.rig.outputs))))[:, 0]
+        angles = {name: np.array([angle]) for name, angle in self.begin.angles.items()}
+        start = self._evaluator.near(self.begin.unknowns[:, None], angles)
+        solution = self._evaluator.expanded(taylor, start, follow=True)
+        signs = self.begin.signs
+        error = failure(self._problem, solution, signs, prediction.offsets, taylor[0])
+        if error is not None:
+            raise error
+        return self._evaluator.named(taylor, solution, start).near
 
     @property
     def period(self) -> float:
@@ -160,20 +175,18 @@ class Stream:
         wanted = self._checked(velocity)
         decision = None
         if self._ticks % self._every == 0:
-            guess = self._guess(self._governor.prediction.offsets)
-            decision = self._governor.decide(self._state, wanted, guess)
+            near = self._guess(self._governor.prediction.offsets)
+            decision = self._governor.decide(self._state, wanted, near)
             used, courses, chosen = decision.velocity, decision.courses, decision.chosen
         else:
-            guess, used, chosen = self._guess(self._tick.offsets), self._state[-1], 0
-            courses = self._tick.courses(self.begin.signs, self._state, used[None], guess)
-        taylor, solution = courses.part(chosen, 2)
-        if not courses.solved[chosen, :2].all():
-            raise self._refusal(self.time + self._tick.offsets, taylor, solution)
-        sample = sample_of(self._problem, self.time, used, taylor, solution, self._angles)
-        near = turning_angles(self._problem.equations, solution.values, self._angles)
-        self._angles = {name: float(angle[0]) for name, angle in near.items()}
+            near, used, chosen = self._guess(self._tick.offsets), self._state[-1], 0
+            courses = self._tick.courses(self._evaluator, self._state, used[None], near)
+        taylor, found = courses.part(chosen, 2)
+        if not found.solved.all():
+            found = self._expanded(taylor, near[:, :2], self.time + self._tick.offsets)
+        sample = sample_of(self.rig, self._names, self.time, used, taylor, found)
         if decision is not None:
-            self._values, self._decided = decision.values, self._ticks
+            self._near, self._decided = courses.near(chosen), self._ticks
         state = self._state.copy()
         if (state[-1] != used).any():
             state[-1] = used
@@ -199,22 +212,19 @@ class Stream:
         For example `solve(rig, connected(stream.state.derivatives, goal, 5.0), times,
         begin=stream.state)`.
         """
-        now = np.zeros(1)
         here = Prediction(self._problem, self._filter, [0.0], [])
-        courses = here.courses(
-            self.begin.signs, self._state, self._state[None, -1], self._guess(now)
-        )
-        taylor, solution = courses.part(0, 1)
-        if not courses.solved.all():
-            raise self._refusal(now + self.time, taylor, solution)
-        near = turning_angles(self._problem.equations, solution.values, self._angles)
+        taylor = here.taylor(self._state, self._state[None, -1])[:, 0]
+        near = self._guess(here.offsets)
+        found = self._expanded(taylor, near, here.offsets + self.time)
+        names = [name for name, _, _ in self._problem.equations.turning]
+        unknowns, angles = np.split(found.near[:, 0], [len(self.begin.unknowns)])
         return State(
             problem=self._problem,
             time=self.time,
             derivatives=taylor[:, 0] * factorials(len(taylor))[:, None],
-            unknowns=solution.values[:, 0],
+            unknowns=unknowns,
             signs=self.begin.signs,
-            angles={name: float(angle[0]) for name, angle in near.items()},
+            angles=dict(zip(names, angles.tolist(), strict=True)),
         )
 
     @property
@@ -237,13 +247,13 @@ class Stream:
         return other
 
     def _guess(self, offsets: Array) -> Array:
-        """The unknowns at some times after now (N,), by the last decision: (unknowns, N)."""
+        """Guesses for some times after now (N,), by the last decision."""
         since = (self._ticks - self._decided) / self.rate
         known = self._governor.prediction.offsets
         at = np.clip(since + offsets, 0.0, known[-1])
         below = np.minimum(np.searchsorted(known, at, side="right") - 1, len(known) - 2)
         share = (at - known[below]) / (known[below + 1] - known[below])
-        left, right = self._values[:, below], self._values[:, below + 1]
+        left, right = self._near[:, below], self._near[:, below + 1]
         return np.asarray(left + share * (right - left))
 
     def _checked(self, velocity: ArrayLike) -> Array:
@@ -258,9 +268,19 @@ class Stream:
             raise PathError(f"velocity of {names[i]} is {values[i]}, it must be finite")
         return values
 
-    def _refusal(self, times: Array, taylor: Array, solution: Solution) -> PathError:
+    def _expanded(self, taylor: Array, near: Array, times: Array) -> Evaluated:
+        """The rig at some instants, step by step of the expansion.
+
+        Raises
+        ------
+        PathError
+            There is no solution at one of them.
+        """
+        solution = self._evaluator.expanded(taylor, near)
         error = failure(self._problem, solution, self.begin.signs, times, taylor[0])
-        return error or PathError(f"rig {self.rig.name} has no solution at {times[0]:.6g} s")
+        if error is not None:
+            raise error
+        return self._evaluator.named(taylor, solution, near)
 
 
 def _begin(rig: Rig, start: ArrayLike | State) -> State:
