@@ -230,7 +230,7 @@ class _Printer:
         if self.scalar:
             yield f"    if moved <= {number(close)}*size: break"
             yield "else:"
-            yield f"    if not moved <= {number(STALLED)}*size: return None"
+            yield f"    if not moved <= {number(max(close, STALLED))}*size: return None"
         else:
             yield f"    if not ((moved > {number(close)}*size) & good).any(): break"
-            yield f"good &= moved <= {number(STALLED)}*size"
+            yield f"good &= moved <= {number(max(close, STALLED))}*size"

@@ -123,9 +123,9 @@ class Evaluator:
                 if answer is not None:
                     result[:, i] = answer[0]
         else:
-            reference = np.ascontiguousarray(taylor.transpose(0, 2, 1)).reshape(-1, samples)
+            columns = np.ascontiguousarray(taylor.transpose(0, 2, 1)).reshape(-1, samples)
             with np.errstate(all="ignore"):  # what fails is found by its value
-                answer = found.arrays(reference, list(guesses), self._sides, good)
+                answer = found.arrays(columns, list(guesses), self._sides, good)
                 for row, value in zip(result, answer, strict=True):
                     row[:] = value
         good &= np.isfinite(result.sum(axis=0))
@@ -145,9 +145,9 @@ class Evaluator:
             self.problem.equations.turning, self._found.program.angles, strict=True
         ):
             if unknown == cos:
-                return np.cos(result[column])
+                return np.asarray(np.cos(result[column]))
             if unknown == sin:
-                return np.sin(result[column])
+                return np.asarray(np.sin(result[column]))
         raise AssertionError(f"unknown {unknown} is no frame's")
 
 

@@ -1,8 +1,8 @@
 """Commands that a rig can always be stopped from.
 
 Each command is looked at together with what follows if it is held for a moment and then the rig
-stopped.  It is let through if that stays within all bounds; otherwise each axis of it, one after
-the other, to the largest part that does.
+stopped.  It is let through if that stays within all bounds; otherwise the largest share of it that
+was found to do so: of some shares of its axes the best one, and then one axis of it raised, twice.
 
 To stop is what was looked at a moment before, so that there is always something that can be done.
 A load may rest beyond a bound, or come there by rounding; then commands are let through as well
@@ -14,14 +14,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...models.types import Array
+from ...models.types import Array, Mask
 from .bounds import Bounds
 from .evaluation import Evaluator
 from .prediction import Courses, Prediction
 
-PARTS = 8
-"""Into which a command is cut to find how much of it can be let through."""
-WORSE = 0.01
+PARTS = 6
+"""Into which a command's axes are cut to find how much of them can be let through."""
+ROUNDS = 2
+"""Of raising one axis further."""
+WORSE = 0.003
 """How far beyond a bound a command may lead at most, if a stop leads there as well."""
 
 
@@ -53,30 +55,39 @@ class Governor:
         near
             Guesses at the prediction's instants, shape (unknowns + turning frames, N).
         """
-
-        def after(commands: Array) -> Courses:
-            return self.prediction.courses(self.evaluator, state, commands, near)
-
-        whole = after(command[None])
+        whole = self._after(state, command[None], near)
         if not command.any() or self._within(whole, 0.0)[0]:
             return Decision(command, whole, 0)
-        commands = np.zeros((1 + PARTS, len(command)))
-        axes = np.flatnonzero(command)
-        best, floor = None, np.zeros(())
-        for axis in axes:
-            commands[1:, axis] = command[axis] * np.arange(1, PARTS + 1) / PARTS
-            courses = after(commands)
-            if best is None:
-                stop = np.nan_to_num(self._spare(courses)[:, :1], nan=-WORSE)
-                floor = np.clip(stop, -WORSE, 0.0)
-                best = Decision(commands[0].copy(), courses, 0)
-            passed = np.flatnonzero(self._within(courses, floor)[1:])
-            if passed.size:
-                chosen = 1 + int(passed[-1])
-                best = Decision(commands[chosen].copy(), courses, chosen)
-                commands[:] = commands[chosen]
-        assert best is not None  # a command without axes is let through above
+        axes = command != 0.0
+        shares = _guesses(axes)
+        courses = self._after(state, shares * command, near)
+        floor = self._floor(courses)
+        share, best = shares[0], Decision(np.zeros(len(command)), courses, 0)
+        for left in reversed(range(1 + ROUNDS)):
+            sums = np.where(self._within(courses, floor), shares.sum(axis=1), 0.0)
+            chosen = int(sums.argmax())
+            if sums[chosen] <= share.sum():
+                break
+            share, best = shares[chosen], Decision(shares[chosen] * command, courses, chosen)
+            shares = _more(share, axes)
+            if not left or not len(shares):
+                break
+            courses = self._after(state, shares * command, near)
         return best
+
+    def _floor(self, courses: Courses) -> Array:
+        """Spare that each bound has to keep, (bounds, 1): what the first course, a stop, keeps.
+
+        At most none, and no less than that the stop is a little beyond a bound on its way, or ends
+        beyond it.
+        """
+        way = np.clip(np.nan_to_num(self._spare(courses)[:, :1], nan=-WORSE), -WORSE, 0.0)
+        samples = courses.solved.shape[1]
+        end = self.bounds.spare(courses.part(0, samples)[1])[:, -1:]
+        return np.minimum(way, np.nan_to_num(end, nan=0.0))
+
+    def _after(self, state: Array, commands: Array, near: Array) -> Courses:
+        return self.prediction.courses(self.evaluator, state, commands, near)
 
     def _spare(self, courses: Courses) -> Array:
         """Least spare of each bound along each course, shape (bounds, courses).
@@ -94,6 +105,28 @@ class Governor:
 
     def _within(self, courses: Courses, floor: Array | float) -> Array:
         """Which courses have a solution on the branch within all bounds, shape (courses,)."""
-        whole = courses.solved.all(axis=1)
-        whole &= self.bounds.continuous(courses.found, len(whole))
+        whole = courses.solved.all(axis=1) & self.bounds.continuous(
+            courses.found, len(courses.solved)
+        )
         return np.asarray(whole & (self._spare(courses) >= floor).all(axis=0))
+
+
+def _guesses(axes: Mask) -> Array:
+    """Shares of a command's axes to begin with, the first of which is nothing: (courses, size).
+
+    All axes in equal part, each axis alone, and all but one.
+    """
+    each = np.eye(len(axes))[axes]
+    equal = np.arange(PARTS)[:, None] / PARTS * axes
+    return np.vstack((equal, each, axes - each))
+
+
+def _more(share: Array, axes: Mask) -> Array:
+    """Shares with one axis raised, none if all are in full, shape (courses, size)."""
+    raised = []
+    for axis in np.flatnonzero(axes):
+        for part in np.arange(1, PARTS + 1) / PARTS:
+            if part > share[axis]:
+                raised.append(share.copy())
+                raised[-1][axis] = part
+    return np.array(raised)

@@ -11,10 +11,9 @@ from ..series.products import factorials
 from .command_filter import CommandFilter
 from .evaluation import Evaluated, Evaluator
 
-SPACING = 0.2
-"""Of samples after the command has ended, over the lag."""
-GROWTH = 0.04
-"""Of that spacing from each sample to the next, as the motion gets slower."""
+SPACING = 0.06
+"""Of samples after the command has ended, over the lag and the time since: what it leaves behind
+in the inputs peaks within half a lag, and slower later on."""
 RESTED = 1e-3
 """Of a speed in full, below which the rig rests for a prediction."""
 
@@ -105,11 +104,10 @@ def of_stops(problem: Problem, filter: CommandFilter, period: float, moment: flo
 
     All times are in s.
     """
-    step = SPACING * filter.lag
-    parts = math.ceil(moment / step)
+    parts = math.ceil(moment / (SPACING * filter.lag))
+    held = [0.0, 0.5 * period, *(moment * np.arange(1, parts + 1) / parts)]
     after: list[float] = []
     rest = filter.resting(RESTED)
     while sum(after) < rest:
-        after.append(step * (1.0 + GROWTH * len(after)))
-    held = [0.0, 0.5 * period, *(moment * np.arange(1, parts + 1) / parts)]
+        after.append(SPACING * (filter.lag + sum(after)))
     return Prediction(problem, filter, held, after)

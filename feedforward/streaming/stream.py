@@ -16,28 +16,26 @@ stopped within `share` of its drives' limits, with `margin` in every rope, on it
 passing a singular place, the command is let through; otherwise as much of it, axis by axis, as can
 be.  See `governor`.
 
-Limits: a stop is looked at at samples a fifth of the lag apart, which is why less than the whole
-limits should be shared out.  Obstacles and the ground are not known.  Nothing is fed back: what the
-rig really does is up to a controller on top, such as `envs.PD`.
+Limits: stops are looked at at some sixty samples, and what lies between is estimated; that is why
+less than the whole limits should be shared out.  Obstacles and the ground are not known.  Nothing
+is fed back: what the rig really does is up to a controller on top, such as `envs.PD`.
 """
 
 import copy
-import math
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...models.errors import OptionError, PathError, RigError
+from ...models.errors import PathError
 from ...models.rig.rig import Rig
 from ...models.types import Array
-from ...models.values import as_number, reals, shown
+from ...models.values import reals
 from ..exact.naming import coordinate_names
 from ..exact.problem import problem_of
 from ..exact.refusal import failure
 from ..exact.state import State
-from ..paths.straight import hold
 from ..series.products import factorials
-from ..solving.inverse import solve
+from .beginning import begin_of, between
 from .bounds import Bounds
 from .command_filter import CommandFilter
 from .evaluation import Evaluated, Evaluator
@@ -48,6 +46,8 @@ from .sample import Sample, sample_of
 
 GOVERNED = 100.0
 """Decisions per second, at most [Hz]: faster ticks hold a command in between."""
+MARGIN = 5e-3
+"""Of the rig's weight, that ropes pull with; a stop may come below by `governor.WORSE`."""
 RESTING = 1e-9
 """Distance [m] or [rad] still to go at which a stream rests."""
 SHORTEST, LONGEST = 1e-3, 1e2
@@ -74,7 +74,7 @@ class Stream:
     share
         Of the drives' limits that may be used, above 0 and at most 1.
     margin
-        Lowest tension in every rope [N].
+        Lowest tension in every rope [N]; half a percent of the rig's weight if left out.
 
     Raises
     ------
@@ -95,15 +95,16 @@ class Stream:
         lag: float = 0.3,
         rate: float = 100.0,
         share: float = 0.95,
-        margin: float = 0.0,
+        margin: float | None = None,
     ) -> None:
         self._problem = problem_of(rig)
         self.rig = rig
-        self.lag = _between("lag", lag, SHORTEST, LONGEST, "s")
-        self.rate = _between("rate", rate, SLOWEST, FASTEST, "Hz")
-        self.share = _between("share", share, 1e-6, 1.0, "of the limits")
-        self.margin = _between("margin", margin, 0.0, rig.weight, "N")
-        self.begin = _begin(rig, start)
+        self.lag = between("lag", lag, SHORTEST, LONGEST, "s")
+        self.rate = between("rate", rate, SLOWEST, FASTEST, "Hz")
+        self.share = between("share", share, 1e-6, 1.0, "of the limits")
+        lowest = MARGIN * rig.weight if margin is None else margin
+        self.margin = between("margin", lowest, 0.0, rig.weight, "N")
+        self.begin = begin_of(rig, start)
         """The state that it started from, for `solve(rig, stream.reference, times, begin=...)`."""
         filter = CommandFilter(self.lag, max(self._problem.analysis.reference_order, 1))
         self._every = max(1, round(self.rate / GOVERNED))
@@ -281,35 +282,3 @@ class Stream:
         if error is not None:
             raise error
         return self._evaluator.named(taylor, solution, near)
-
-
-def _begin(rig: Rig, start: ArrayLike | State) -> State:
-    """The state that a stream starts from.
-
-    Raises
-    ------
-    RigError, SmoothnessError, PathError
-        As `Stream`.
-    """
-    if isinstance(start, State):
-        if start.problem.rig != rig:
-            raise RigError(
-                f"start is a state of rig {start.problem.rig.name} with other numbers than this one"
-                if start.problem.rig.name == rig.name
-                else f"start is a state of rig {start.problem.rig.name}, not of {rig.name}"
-            )
-        return start
-    motion = solve(rig, hold(np.asarray(start)), 0.0)
-    for slack in motion.slack[:1]:
-        raise PathError(
-            f"rope {slack.rope} would have to push at the start of the stream "
-            f"({slack.lowest:.4g} N)"
-        )
-    return motion.at(0.0)
-
-
-def _between(name: str, value: object, low: float, high: float, unit: str) -> float:
-    number = as_number(value)
-    if not low <= number <= high or not math.isfinite(number):
-        raise OptionError(f"{name} is {shown(value)}, it must be from {low:g} to {high:g} {unit}")
-    return number

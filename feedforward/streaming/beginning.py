@@ -1,0 +1,52 @@
+"""Where a stream starts, and whether its options can be."""
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...models.errors import OptionError, PathError, RigError
+from ...models.rig.rig import Rig
+from ...models.values import as_number, shown
+from ..exact.state import State
+from ..paths.straight import hold
+from ..solving.inverse import solve
+
+
+def begin_of(rig: Rig, start: ArrayLike | State) -> State:
+    """The state that a stream starts from.
+
+    Raises
+    ------
+    RigError, SmoothnessError, PathError
+        As `Stream`.
+    """
+    if isinstance(start, State):
+        if start.problem.rig != rig:
+            raise RigError(
+                f"start is a state of rig {start.problem.rig.name} with other numbers than this one"
+                if start.problem.rig.name == rig.name
+                else f"start is a state of rig {start.problem.rig.name}, not of {rig.name}"
+            )
+        return start
+    motion = solve(rig, hold(np.asarray(start)), 0.0)
+    for slack in motion.slack[:1]:
+        raise PathError(
+            f"rope {slack.rope} would have to push at the start of the stream "
+            f"({slack.lowest:.4g} N)"
+        )
+    return motion.at(0.0)
+
+
+def between(name: str, value: object, low: float, high: float, unit: str) -> float:
+    """A number within its range.
+
+    Raises
+    ------
+    OptionError
+        It is not.
+    """
+    number = as_number(value)
+    if not low <= number <= high or not math.isfinite(number):
+        raise OptionError(f"{name} is {shown(value)}, it must be from {low:g} to {high:g} {unit}")
+    return number
