@@ -15,7 +15,7 @@ from flatrig import feedforward, models
 from flatrig.models.errors import PathError
 from flatrig.training import cli
 from flatrig.training.options import Stress
-from flatrig.training.stress import episode_cases, run_cases, solver_cases
+from flatrig.training.stress import episode_cases, program_cases, run_cases, solver_cases
 from flatrig.training.stress import roads as stress_roads
 from flatrig.training.stress import stiff_cases as stiff
 from flatrig.training.stress import suite as stress
@@ -241,3 +241,15 @@ def test_environments_follow_exact_inputs_and_the_wind():
     assert 0.0 < late.error < late.tolerance
     blown = episode_cases.windy()
     assert 0.0 < blown.error < blown.tolerance
+
+
+def test_steps_of_compiled_programs_are_judged(monkeypatch, tmp_path):
+    """Of one crane; a difference of refusals is as wrong as one of inputs."""
+    if program_cases.compiler() is None:
+        pytest.skip("there is no C compiler")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(program_cases, "TOGETHER", 4)
+    first = next(iter(program_cases.cases()))
+    assert judge(first).ending == CORRECT
+    monkeypatch.setattr(program_cases, "_solved", lambda *_: None)
+    assert judge(first).ending == WRONG

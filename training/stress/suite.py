@@ -37,7 +37,15 @@ from .. import options
 from ..console import console, warning
 from ..jobs import Jobs, Processes, Result
 from ..tables import table, write_csv
-from . import episode_cases, fuzz_cases, random_cases, run_cases, solver_cases, stiff_cases
+from . import (
+    episode_cases,
+    fuzz_cases,
+    program_cases,
+    random_cases,
+    run_cases,
+    solver_cases,
+    stiff_cases,
+)
 from .case import ENDINGS, WRONG, Case, Outcome, attempt, kept, verdict
 
 FOLDER = "results/stress"
@@ -77,6 +85,7 @@ def cases(rigs: int, seed: int) -> Iterator[Case]:
     yield from stiff_cases.cases()
     yield from solver_cases.cases()
     yield from episode_cases.cases()
+    yield from program_cases.cases()
     yield from random_cases.cases(rigs, seed)
     yield from fuzz_cases.cases(rigs, seed)
 
