@@ -61,7 +61,8 @@ class StraightPath(ReferencePath):
             result = scalar[..., None] * np.subtract(self.end, self.begin)
             result[0] = self.end if times[0] >= self.duration else result[0] + self.begin
             return np.asarray(result)
-        result = np.empty((*scalar.shape, self.size))
+        # Column by column in memory, as it is written here and read by what solves with it.
+        result = np.empty((order + 1, self.size, len(times))).transpose(0, 2, 1)
         arrived = times >= self.duration
         for column, (begin, end) in enumerate(zip(self.begin, self.end, strict=True)):
             np.multiply(scalar, end - begin, out=result[..., column])

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from ...models.errors import OptionError
-from ..generated.c_words import identifier
+from ..generated.c_source import c_source
+from ..generated.c_words import Start, Words, identifier
 from ..generated.program import Program
 
 FLAGS = "-std=c99", "-O2", "-shared", "-fPIC"
@@ -57,7 +58,50 @@ def library(name: str, text: str) -> ctypes.CDLL:
     return ctypes.CDLL(str(place))
 
 
-def structures(
+class Library:
+    """A rig's C file as a library, with a state that has begun and room for a motion.
+
+    Parameters
+    ----------
+    program
+        Of the rig.
+    words
+        About it.
+    start
+        Where the state begins.
+    more
+        C to compile behind the file.
+
+    Raises
+    ------
+    OptionError
+        As `library`.
+    """
+
+    def __init__(self, program: Program, words: Words, start: Start, more: str = "") -> None:
+        self.name = self.name_of(words)
+        self.functions = library(self.name, c_source(program, words, start) + more)
+        of_state, of_motion = _structures(program, len(words.encoders))
+        self.state, self.motion = of_state(), of_motion()
+        for i, value in enumerate(start.newton):
+            self.state.newton[3 * i] = value
+        self.state.side[:] = list(start.sides)
+        self.state.angle[:] = list(start.angles)
+        self.state.samples = 1
+
+    @staticmethod
+    def name_of(words: Words) -> str:
+        """What its functions' names begin with."""
+        return identifier(words.rig)
+
+    def function(self, name: str, *arguments: Any) -> Any:
+        """A function of the library, of that name behind the rig's, with its arguments' types."""
+        found = getattr(self.functions, f"{self.name}_{name}")
+        found.argtypes = arguments
+        return found
+
+
+def _structures(
     program: Program, encoders: int
 ) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
     """The file's types NAME_state and NAME_motion, member by member."""
@@ -85,10 +129,3 @@ def structures(
 
 def _structure(name: str, fields: list[tuple[str, Any]]) -> type[ctypes.Structure]:
     return type(name, (ctypes.Structure,), {"_fields_": fields})
-
-
-def function(built: ctypes.CDLL, rig: str) -> Any:
-    """The file's function NAME_step."""
-    step = getattr(built, f"{identifier(rig)}_step")
-    step.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p]
-    return step

@@ -22,7 +22,7 @@ from ..exact.problem import problem_of
 from ..exact.refusal import accept_path, stay_on_rails
 from ..exact.state import State
 from ..holds import check_hold, means_of, within_holds
-from ..paths.reference import Reference, taylor_of
+from ..paths.reference import Reference
 from .programs import compiled, evaluate
 
 
@@ -120,8 +120,8 @@ def motion_along(branch: Branch, times: Array) -> Motion:
     found = compiled(problem)
     if found is None:
         return interpreted(branch, times)
-    taylor = taylor_of(branch.reference, times, problem.order)
-    rows, good = evaluate(found, branch, times, taylor)
+    derivatives = branch.reference.derivatives(times, problem.order)
+    rows, good = evaluate(found, branch, times, derivatives)
     if not every(good):
         try:
             rest = interpreted(branch, times[~good])

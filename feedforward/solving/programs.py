@@ -23,6 +23,7 @@ from ..generated.elimination import Singular
 from ..generated.generator import generate
 from ..generated.program import Program
 from ..generated.python_source import Dialect, python_source, rows
+from ..series.products import factorials
 
 FEW = 24
 """Up to so many samples plain numbers are faster than arrays."""
@@ -88,12 +89,12 @@ def _function(program: Program, dialect: Dialect) -> Step:
 def compiled(problem: Problem) -> Compiled | None:
     """The program of a flat rig; none of one whose equations are singular everywhere."""
     try:
-        return Compiled(generate(problem, _samples(problem)))
+        return Compiled(generate(problem, samples_about(problem)))
     except Singular:
         return None
 
 
-def _samples(problem: Problem) -> list[list[Array]]:
+def samples_about(problem: Problem) -> list[list[Array]]:
     """Values of the unknowns at places about home, each as a series of one coefficient."""
     outputs = home_outputs(problem.equations)
     random = np.random.default_rng(0)
@@ -133,7 +134,9 @@ def _turned(problem: Problem, values: Array, random: np.random.Generator) -> Arr
     return turned
 
 
-def evaluate(found: Compiled, branch: Branch, times: Array, taylor: Array) -> tuple[Array, Mask]:
+def evaluate(
+    found: Compiled, branch: Branch, times: Array, derivatives: Array
+) -> tuple[Array, Mask]:
     """Results of a program along a branch.
 
     Parameters
@@ -144,7 +147,7 @@ def evaluate(found: Compiled, branch: Branch, times: Array, taylor: Array) -> tu
         It picks among solutions and says where they are near.
     times
         Instants [s], shape (N,).
-    taylor
+    derivatives
         Of the reference, shape (orders, N, outputs).
 
     Returns
@@ -154,6 +157,10 @@ def evaluate(found: Compiled, branch: Branch, times: Array, taylor: Array) -> tu
     """
     program = found.program
     sides = [branch.signs.get(block, 1.0) for block in program.blocks]
+    # Taylor coefficients, row by row in memory.
+    taylor = np.empty((len(derivatives), derivatives.shape[2], len(times)))
+    scale = factorials(len(derivatives))[:, None, None]
+    np.divide(derivatives.transpose(0, 2, 1), scale, out=taylor)
     if not len(times):
         return np.zeros((found.size, 0)), np.ones(0, dtype=bool)
     if len(times) <= FEW:
@@ -172,10 +179,10 @@ def _one_by_one(
 ) -> tuple[Array, Mask]:
     result = np.zeros((len(times), found.size))
     good = np.zeros(len(times), dtype=bool)
-    reference = taylor.transpose(1, 0, 2).reshape(len(times), -1).tolist()
+    reference = taylor.reshape(-1, len(times)).T.tolist()
     for i, time in enumerate(times.tolist()):
         try:
-            answer = found.scalar(reference[i], _guesses(found.program, branch, time), sides)
+            answer = found.scalar(reference[i], guesses_at(found.program, branch, time), sides)
         except (ValueError, ZeroDivisionError, OverflowError):
             continue  # the root of a negative number, and the like
         if answer is not None and math.isfinite(sum(answer[0])):
@@ -184,7 +191,7 @@ def _one_by_one(
     return result.T, good
 
 
-def _guesses(program: Program, branch: Branch, time: float) -> list[float]:
+def guesses_at(program: Program, branch: Branch, time: float) -> list[float]:
     """Guesses at one sample, see `Branch.near` and `Branch.turned`."""
     if not program.newton and not program.angles:
         return []
@@ -209,7 +216,7 @@ def _in_pieces(
 ) -> tuple[Array, Mask]:
     program = found.program
     result, good = np.empty((found.size, len(times))), np.ones(len(times), dtype=bool)
-    reference = np.ascontiguousarray(taylor.transpose(0, 2, 1)).reshape(-1, len(times))
+    reference = taylor.reshape(-1, len(times))
     guesses = list(branch.turned(times).values())
     if program.newton:
         guesses = [*branch.near(times, program.newton), *guesses]

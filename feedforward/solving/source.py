@@ -18,7 +18,7 @@ from ..generated.c_source import c_header, c_source
 from ..generated.c_words import Replay, Start, Words
 from ..generated.program import Program
 from ..generated.python_source import Dialect, python_source
-from ..paths.reference import Reference, taylor_of
+from ..paths.reference import Reference
 from ..paths.straight import hold
 from .inverse import solve
 from .programs import compiled, evaluate
@@ -166,7 +166,7 @@ def _replay(rig: Rig, program: Program, start: Start, reference: Reference) -> R
     times = np.linspace(0.0, reference.duration, REPLAYED)
     branch, found = branch_of(problem_of(rig), reference), compiled(problem_of(rig))
     assert found is not None
-    _, good = evaluate(found, branch, times, taylor_of(reference, times, program.order))
+    _, good = evaluate(found, branch, times, reference.derivatives(times, program.order))
     if not good[0]:
         raise PathError(
             f"rig {rig.name} has no program at {place(rig, np.array(start.outputs))}, as where a "

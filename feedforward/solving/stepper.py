@@ -25,15 +25,13 @@ from ..exact.naming import motion_of
 from ..exact.problem import Problem, problem_of
 from ..exact.state import State
 from ..exact.taylor import SINGULAR, expand
-from ..generated.c_source import c_source
 from ..generated.c_words import Words
-from ..generated.program import Program
 from ..generated.statuses import MESSAGES, RAIL_TOLERANCE, SLACK, TURNED, Status
 from ..paths.straight import hold
 from ..series.products import factorials
-from .compiling import function, library, structures
+from .compiling import Library
 from .inverse import rows_of
-from .programs import Compiled, compiled
+from .programs import compiled
 from .source import program_of, start_of, words_of
 
 Numbers = list[float]
@@ -255,35 +253,27 @@ class _InC:
     """Steps by the rig's file in C."""
 
     def __init__(self, problem: Problem, start: State, words: Words) -> None:
-        found: Compiled | None = compiled(problem)
-        assert found is not None
-        program: Program = found.program
-        begin = start_of(program, start)
-        built = library(problem.rig.name, c_source(program, words, begin))
-        self._step = function(built, problem.rig.name)
-        of_state, of_motion = structures(program, len(words.encoders))
-        self.state, self.motion = of_state(), of_motion()
-        for i, value in enumerate(begin.newton):
-            self.state.newton[3 * i] = value
-        self.state.side[:] = list(begin.sides)
-        self.state.angle[:] = list(begin.angles)
-        self.state.samples = 1
+        program = program_of(problem.rig)
+        self.library = Library(program, words, start_of(program, start))
+        pointer = ctypes.c_void_p
+        self._step = self.library.function("step", pointer, pointer, ctypes.c_double, pointer)
         self.derivatives = np.zeros((problem.order + 1, len(problem.rig.outputs)))
         self.addresses = (
-            ctypes.addressof(self.state),
+            ctypes.addressof(self.library.state),
             self.derivatives.ctypes.data,
-            ctypes.addressof(self.motion),
+            ctypes.addressof(self.library.motion),
         )
         members = ("input", "tension", "position", "velocity", "acceleration")
-        self.views = [np.ctypeslib.as_array(getattr(self.motion, member)) for member in members]
+        motion = self.library.motion
+        self.views = [np.ctypeslib.as_array(getattr(motion, member)) for member in members]
 
     def step(self, derivatives: Array, h: float) -> tuple[Status, Step | None]:
         """One sample: what became of it, and the results if it is a good one."""
         self.derivatives[...] = derivatives
         state, reference, motion = self.addresses
-        status = self._step(state, reference, h, motion)
+        status = Status(self._step(state, reference, h, motion))
         if status > Status.SLACK:
-            return Status(status), None
+            return status, None
         results = [view.copy() for view in self.views]
         inputs, tensions, positions, velocities, accelerations = results
         slack = status == Status.SLACK

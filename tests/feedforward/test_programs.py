@@ -10,7 +10,6 @@ from flatrig.feedforward.exact.structure import Row
 from flatrig.feedforward.generated.builder import Builder
 from flatrig.feedforward.generated.elimination import Eliminated, Singular, choose
 from flatrig.feedforward.generated.forms import factored
-from flatrig.feedforward.paths.reference import taylor_of
 from flatrig.feedforward.solving import programs
 from flatrig.feedforward.solving.inverse import interpreted, motion_along
 from flatrig.models.errors import PathError
@@ -40,8 +39,8 @@ def test_programs_give_what_the_expansion_gives(name):
     along = branch(rig)
     times = np.linspace(-0.1, along.times[-1] + 0.1, MANY)
     oracle = interpreted(along, times)
-    taylor = taylor_of(along.reference, times, along.problem.order)
-    _, good = programs.evaluate(programs.compiled(along.problem), along, times, taylor)
+    derivatives = along.reference.derivatives(times, along.problem.order)
+    _, good = programs.evaluate(programs.compiled(along.problem), along, times, derivatives)
     assert good.all()  # so that nothing below is the expansion's own
     assert_alike(motion_along(along, times), oracle, 1e-12)
     some = times[:: MANY // 10]
@@ -65,8 +64,8 @@ def test_where_a_pulley_without_mass_hangs_straight_the_expansion_answers(name):
     rig = models.make(name, pulley_mass=0)
     along = branch(rig)
     times = np.linspace(0.0, along.times[-1], 101)
-    taylor = taylor_of(along.reference, times, along.problem.order)
-    _, good = programs.evaluate(programs.compiled(along.problem), along, times, taylor)
+    derivatives = along.reference.derivatives(times, along.problem.order)
+    _, good = programs.evaluate(programs.compiled(along.problem), along, times, derivatives)
     assert good.any()
     assert not good[0]
     motion, oracle = motion_along(along, times), interpreted(along, times)
@@ -82,8 +81,8 @@ def test_a_frame_may_turn_all_around():
     points = [(5 * np.cos(a), 5 * np.sin(a), -5.0) for a in angles]
     along = branch(rig, feedforward.along(points, 60.0, order=4))
     times = np.linspace(0.0, 60.0, 4001)
-    taylor = taylor_of(along.reference, times, along.problem.order)
-    _, good = programs.evaluate(programs.compiled(along.problem), along, times, taylor)
+    derivatives = along.reference.derivatives(times, along.problem.order)
+    _, good = programs.evaluate(programs.compiled(along.problem), along, times, derivatives)
     assert good.all()
     motion = motion_along(along, times)
     assert motion.positions[-1, motion.column("bridge.angle")] == pytest.approx(1.5 * np.pi)
@@ -164,8 +163,8 @@ def test_a_weak_pivot_is_left_to_the_expansion(monkeypatch):
     quarter = np.interp(np.pi / 2, angle, along.times)
     times = np.sort([*np.linspace(0.0, along.times[-1], 50), quarter])
     found = programs.compiled.__wrapped__(along.problem)
-    taylor = taylor_of(along.reference, times, along.problem.order)
-    _, good = programs.evaluate(found, along, times, taylor)
+    derivatives = along.reference.derivatives(times, along.problem.order)
+    _, good = programs.evaluate(found, along, times, derivatives)
     assert not good[times == quarter]
     assert good.sum() == len(times) - 1
 
