@@ -15,6 +15,7 @@ from flatrig.training.bench import error_against_time as bench_feedforward
 from flatrig.training.bench import speed as bench
 from flatrig.training.bench import trial_tables as bench_tables
 from flatrig.training.bench import trials as bench_runs
+from flatrig.training.bench.exact_roads import COMPILED, roads
 from flatrig.training.bench.peers import PEERS, IndexOneProblem, Peer, PeerError
 from flatrig.training.bench.smooth_moves import cases
 from flatrig.training.bench.trials import EXACT, Run, Unit
@@ -75,8 +76,18 @@ def test_ladder_of_steps_shows_the_order():
 
 def test_exact_solution_agrees_with_a_second_road():
     runs = Unit("overhead_crane", EXACT, ()).runs()
-    assert [run.steps for run in runs] == [40, 80, 160]
+    assert {run.scheme for run in runs} == set(roads())
+    for name in roads():
+        assert [run.steps for run in runs if run.scheme == name] == [40, 80, 160]
     assert max(run.inputs for run in runs) < 1e-10
+
+
+def test_a_path_that_compiled_steps_cannot_start_on_is_a_failure():
+    runs = Unit("navy_crane_2d, massless", EXACT, ()).runs()
+    for run in runs:
+        assert ("refused" in run.failure or "cannot go on" in run.failure) == (
+            run.scheme == COMPILED
+        )
 
 
 def test_failures_are_kept_with_their_reason():
@@ -184,11 +195,12 @@ def test_command_writes_tables_and_figure_and_resumes(
     assert main(argv) == 0
     told = capsys.readouterr().out
     assert "times" in told
+    assert "compiled C" in told
     assert "minimal extension" in told
     with Path("out/runs.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == 3 + 3 + 3 + 2
-    assert {row["scheme"] for row in rows} == {EXACT, "BDF 3", "scipy DOP853"}
+    assert len(rows) == 3 * len(roads()) + 3 + 3 + 2
+    assert {row["scheme"] for row in rows} == {*roads(), "BDF 3", "scipy DOP853"}
     with Path("out/orders.csv").open(newline="") as file:
         (order,) = [row for row in csv.DictReader(file) if row["formulation"] != ALGEBRAIC]
     assert float(order["inputs in theory"]) == 3

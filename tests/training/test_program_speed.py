@@ -41,7 +41,7 @@ def test_a_refused_sample_is_named():
     derivatives = steps.derivatives(np.linspace(0.0, 1.0, 5))
     derivatives[3, 2, 1] = -20.0
     with pytest.raises(PathError, match="rig overhead_crane cannot go on at sample 3"):
-        steps.results(derivatives, 0.25)
+        steps.results(derivatives, np.full(5, 0.25))
 
 
 def test_tables_have_a_line_for_each_crane(monkeypatch):

@@ -15,13 +15,13 @@ from ...models.errors import PathError
 from ...models.types import Array
 
 BATCH = """
-int @_batch(const @_state *start, int samples, const double *derivatives, double h,
+int @_batch(const @_state *start, int samples, const double *derivatives, const double *gaps,
     @_motion *motions)
 {
     @_state state = *start;
     const int size = (#_ORDER + 1)*#_COLUMNS;
     for (int i = 0; i < samples; ++i)
-        if (@_step(&state, derivatives + i*size, i ? h : 0.0, motions + i) > #_SLACK) return i;
+        if (@_step(&state, derivatives + i*size, gaps[i], motions + i) > #_SLACK) return i;
     return samples;
 }
 """
@@ -49,7 +49,7 @@ class CompiledSteps:
         self.library = Library(self.program, words, start, more)
         pointer = ctypes.c_void_p
         self._batch = self.library.function(
-            "batch", pointer, ctypes.c_int, pointer, ctypes.c_double, pointer
+            "batch", pointer, ctypes.c_int, pointer, pointer, pointer
         )
         self.step = self.library.function("step", pointer, pointer, ctypes.c_double, pointer)
 
@@ -58,8 +58,10 @@ class CompiledSteps:
         found = self.reference.derivatives(times, self.order)
         return np.ascontiguousarray(found.transpose(1, 0, 2))
 
-    def results(self, derivatives: Array, h: float) -> Array:
-        """Results at samples `h` apart [s], shape (N, members of the motion).
+    def results(self, derivatives: Array, gaps: Array) -> Array:
+        """Results at samples, each a gap (N,) [s] after the one before.
+
+        Shape (N, members of the motion); the first gap is 0.
 
         Raises
         ------
@@ -69,14 +71,15 @@ class CompiledSteps:
         size = ctypes.sizeof(self.library.motion) // 8
         motions = np.empty((len(derivatives), size))
         state = ctypes.addressof(self.library.state)
-        done = self._batch(state, len(motions), derivatives.ctypes.data, h, motions.ctypes.data)
+        places = (array.ctypes.data for array in (derivatives, gaps, motions))
+        done = self._batch(state, len(motions), *places)
         if done < len(motions):
             raise PathError(f"rig {self.rig.name} cannot go on at sample {done}")
         return motions
 
     def motion(self, times: Array) -> Motion:
-        """The motion at equidistant times (N,), from the path's start on."""
-        found = self.results(self.derivatives(times), float(times[1] - times[0]))
+        """The motion at ascending times (N,), from the path's start on."""
+        found = self.results(self.derivatives(times), np.diff(times, prepend=times[0]))
         parts, first = {}, 0
         for member, kind, *_ in self.library.motion._fields_:
             size = ctypes.sizeof(kind) // 8

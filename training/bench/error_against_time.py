@@ -25,7 +25,7 @@ from .. import options
 from ..console import console
 from ..jobs import Jobs, Processes, record
 from ..tables import write_csv
-from . import trial_figures, trial_tables
+from . import trial_figures, trial_roads, trial_tables
 from .peers import PEERS
 from .smooth_moves import cases
 from .trials import BY_NAME, EXACT, Run, Unit
@@ -63,7 +63,7 @@ def main(command: options.Bench) -> None:
     for label in labels:
         written.append(folder / f"{label.replace(', ', '_')}.png")
         trial_figures.case(written[-1], runs, label)
-    for comparison in trial_tables.against_exact(runs):
+    for comparison in (*trial_tables.against_exact(runs), trial_roads.beside_others(runs)):
         out.print(comparison)
     if not command.formulation and not command.scheme:
         out.print(trial_tables.along_catalogue_moves(labels))

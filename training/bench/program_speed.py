@@ -105,9 +105,9 @@ def roads_of(rig: Rig, reference: Reference) -> Roads:
     }
     if compiler() is not None:
         steps = CompiledSteps(rig, reference)
-        derivatives, gap = steps.derivatives(times), float(times[1])
-        many["C"] = partial(steps.results, derivatives, gap), 1
-        one["C"] = partial(steps.results, derivatives, gap), SAMPLES
+        derivatives, gaps = steps.derivatives(times), np.diff(times, prepend=0.0)
+        many["C"] = partial(steps.results, derivatives, gaps), 1
+        one["C"] = partial(steps.results, derivatives, gaps), SAMPLES
         one["C, called"] = _called(steps, derivatives[0]), 1
         if rig.name in FORMS:
             one["closed form"] = partial(ClosedForm(rig), derivatives), SAMPLES

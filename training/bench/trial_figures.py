@@ -11,13 +11,16 @@ from typing import Any, Literal
 
 from ...feedforward import dae
 from .. import plots
-from .trials import BY_NAME, EXACT, Run
+from .exact_roads import COMPILED, EXACT, STEP_BY_STEP
+from .trials import BY_NAME, Run
 
 PALETTE = (
     "#202020", "#56b4e9", "#0072b2", "#009e73", "#e69f00", "#d55e00", "#cc79a7",
     "#8c8c8c", "#b8a200", "#7a3b9a", "#e0218a", "#5a7d2a", "#a0522d",
 )  # fmt: skip
 """Colours of the schemes, then of the peers; from the first again where there are more."""
+STARS = {STEP_BY_STEP: "#f0a0a0", EXACT: "#d00000", COMPILED: "#600000"}
+"""Colours of the roads to the exact solution."""
 LOWEST, HIGHEST = 1e-16, 1e2
 """Errors are drawn between these."""
 
@@ -48,7 +51,7 @@ def case(path: Path, runs: Sequence[Run], name: str) -> None:
     peers = [run for run in of_rig if run.of_peer]
     if peers:
         groups["peers, index 1 and ODE"] = peers
-    exact = [run for run in of_rig if run.scheme == EXACT]
+    exact = [run for run in of_rig if run.formulation == EXACT]
     rows = max(len(groups), 1)
     figure, axes = plots.figure(
         13.0, 2.0 + 2.3 * rows, nrows=rows, ncols=4, sharex="col", sharey=True, squeeze=False
@@ -82,7 +85,7 @@ def formulation(path: Path, runs: Sequence[Run], name: str, what: str) -> None:
     figure, ax = plots.figure(8.2, 4.6)
     curves(ax, [run for run in of_rig if run.formulation == what], "inputs", "seconds")
     curves(ax, [run for run in of_rig if run.of_peer], "inputs", "seconds", dashed=True)
-    star(ax, [run for run in of_rig if run.scheme == EXACT], "inputs", "seconds")
+    star(ax, [run for run in of_rig if run.formulation == EXACT], "inputs", "seconds")
     plots.title(ax, f"{name.replace('_', ' ')}: {what} (full lines), peers on index 1 (dashed)")
     ax.set(xlabel=LABELS["seconds"], ylabel=LABELS["inputs"])
     _legend(figure, {run.scheme for run in of_rig}, ncols=1, loc="outside right center")
@@ -119,12 +122,14 @@ def curves(
 
 
 def star(ax: Any, exact: Sequence[Run], quantity: Quantity, cost: Cost) -> None:
-    """The exact solution, at several numbers of instants."""
-    ax.plot(
-        [getattr(run, cost) for run in exact],
-        [max(getattr(run, quantity), LOWEST) for run in exact],
-        "*", color="#d00000", markersize=9, zorder=5,
-    )  # fmt: skip
+    """The exact solution, by every road and at several numbers of instants."""
+    for name, colour in STARS.items():
+        solved = [run for run in exact if run.scheme == name and not run.failure]
+        ax.plot(
+            [getattr(run, cost) for run in solved],
+            [max(getattr(run, quantity), LOWEST) for run in solved],
+            "*", color=colour, markersize=9, zorder=5,
+        )  # fmt: skip
 
 
 def _legend(figure: Any, schemes: set[str], **options: Any) -> None:
@@ -136,7 +141,9 @@ def _legend(figure: Any, schemes: set[str], **options: Any) -> None:
         for name, colour in colours().items()
         if name in schemes
     ]
-    handles.append(
-        Line2D([], [], color="#d00000", marker="*", markersize=9, linestyle="", label=EXACT)
-    )
+    handles += [
+        Line2D([], [], color=colour, marker="*", markersize=9, linestyle="", label=name)
+        for name, colour in STARS.items()
+        if name in schemes
+    ]
     figure.legend(handles=handles, **{"loc": "outside lower center", "fontsize": 8} | options)

@@ -83,7 +83,7 @@ def _ladders(runs: Iterable[Run]) -> dict[tuple[str, str, str], list[Run]]:
     """Constant steps that succeeded, by case, formulation and scheme."""
     ladders: dict[tuple[str, str, str], list[Run]] = {}
     for run in runs:
-        if run.count and run.scheme != EXACT and not run.failure:
+        if run.count and run.formulation != EXACT and not run.failure:
             ladders.setdefault((run.case, run.formulation, run.scheme), []).append(run)
     return ladders
 
@@ -177,7 +177,7 @@ def against_exact(runs: Sequence[Run]) -> tuple[Table, Table]:
     )  # fmt: skip
     for case in dict.fromkeys(run.case for run in runs):
         of_rig = [run for run in runs if run.case == case]
-        precise = [run for run in of_rig if run.inputs <= GOAL and run.scheme != EXACT]
+        precise = [run for run in of_rig if run.inputs <= GOAL and run.formulation != EXACT]
         own = [run for run in precise if not run.of_peer]
         exact = max((r.inputs for r in of_rig if r.scheme == EXACT), default=math.nan)
         _stepping_row(stepping, case, exact, of_rig, [run for run in own if run.index > 1])
@@ -286,13 +286,14 @@ def _timed(candidates: Sequence[Run]) -> tuple[Run, float, float] | None:
         stepping = callable_of(run.trial)
         times = stepping().times
         pairs = [
-            (_seconds(stepping), _seconds(lambda: solve(case.rig, case.reference, times)))
+            (seconds_of(stepping), seconds_of(lambda: solve(case.rig, case.reference, times)))
             for _ in range(TURNS)
         ]
     return run, 1e3 * median(a for a, _ in pairs), 1e3 * median(b for _, b in pairs)
 
 
-def _seconds(call: Callable[[], Motion]) -> float:
+def seconds_of(call: Callable[[], Motion]) -> float:
+    """Time of one call [s]."""
     begin = time.perf_counter()
     call()
     return time.perf_counter() - begin

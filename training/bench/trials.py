@@ -15,8 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...feedforward import Motion, dae, solve
+from ...models.errors import PathError
 from ...models.types import Array
 from ..watchdog import limited, quiet
+from .exact_roads import EXACT as EXACT
+from .exact_roads import road, roads
 from .peers import PEERS, IndexOneProblem, Peer, PeerError
 from .smooth_moves import cases
 
@@ -37,8 +40,6 @@ HARDER = 5.0
 """By how much a run with the next tolerance is expected to take longer."""
 REPEATED = 5
 """How often a timing of the exact solution is repeated."""
-EXACT = "exact solution"
-"""Scheme and formulation of the runs that solve exactly."""
 NEGLIGIBLE = 1e-9
 """Errors of an input that is never larger count in N or N m: dividing by it would only show
 rounding."""
@@ -52,7 +53,7 @@ class Trial(NamedTuple):
     formulation: str
     """Name of the formulation, or `EXACT`."""
     scheme: str
-    """Name of the scheme or of a peer, or `EXACT`."""
+    """Name of the scheme or of a peer, or of a road to the exact solution."""
     number: int = 0
     """Number of constant steps or instants; 0 with a tolerance."""
     tolerance: float = 0.0
@@ -68,7 +69,8 @@ class Run:
     formulation: str
     """Name of the formulation, or `EXACT`."""
     scheme: str
-    """Name of the scheme or of a peer, or `EXACT`; empty where the formulation does not apply."""
+    """Name of the scheme, of a peer or of a road to the exact solution; empty where the
+    formulation does not apply."""
     count: int
     """Number of constant steps or instants that were asked for; 0 with a tolerance."""
     tolerance: float
@@ -133,9 +135,9 @@ def callable_of(trial: Trial, times: Array | None = None) -> Callable[[], Motion
         A peer does not take the problem; the call, that it gave up.
     """
     case = cases()[trial.case]
-    if trial.scheme == EXACT:
+    if trial.formulation == EXACT:
         instants = np.linspace(0.0, case.reference.duration, trial.number + 1)
-        return partial(solve, case.rig, case.reference, instants if times is None else times)
+        return road(trial.scheme, case, instants if times is None else times)
     if trial.scheme in BY_NAME:
         problem = IndexOneProblem(case.rig, case.reference)
         run = BY_NAME[trial.scheme].prepare(problem, trial.tolerance)
@@ -170,7 +172,7 @@ class Unit(NamedTuple):
     def runs(self) -> list[Run]:
         """All its runs; what does not apply is one that says so."""
         if self.name == EXACT:
-            return [_exact(Trial(self.case, EXACT, EXACT, count)) for count in COUNTS]
+            return [run for count in COUNTS for run in _exact(self.case, count)]
         if self.name in BY_NAME:
             return self._with_peer()
         reason = dae.why_not(cases()[self.case].rig, self.name)
@@ -211,22 +213,33 @@ def _ladder(trials: list[Trial], measure: Callable[[Trial], Run], harder: float)
     return runs
 
 
-def _exact(trial: Trial) -> Run:
-    """Timed several times; its error is the distance from a second road, solved algebraically."""
-    case = cases()[trial.case]
-    solution, seconds = callable_of(trial), []
-    motion = solution()
-    for _ in range(REPEATED):
-        begin = time.perf_counter()
-        solution()
-        seconds.append(time.perf_counter() - begin)
+def _exact(label: str, number: int) -> list[Run]:
+    """Every road, timed several times; errors are distances from one that is solved algebraically.
+
+    That one ends where it fails, and nothing is compared with it then.
+    """
+    case = cases()[label]
     algebraic = IndexOneProblem(case.rig, case.reference).name
-    other = integrate(trial._replace(formulation=algebraic, scheme="implicit Euler"))
-    count = len(other.motion.times)
+    other = integrate(Trial(label, algebraic, "implicit Euler", number))
     failed = "" if other.failure is None else f"the second road: {other.failure}"
-    truth = solve(case.rig, case.reference, other.motion.times)
-    error = errors(other.motion, truth) if count == len(motion.times) else FAILED
-    return Run(*trial, 0, trial.number, median(seconds), *error, math.inf, math.inf, failure=failed)
+    runs = []
+    for name in roads():
+        trial, seconds = Trial(label, EXACT, name, number), []
+        try:
+            solution = callable_of(trial, None if failed else other.motion.times)
+            motion = solution()
+            for _ in range(REPEATED):
+                begin = time.perf_counter()
+                solution()
+                seconds.append(time.perf_counter() - begin)
+        except PathError as refused:
+            runs.append(Run(*trial, 0, failure=str(refused)))
+            continue
+        error = errors(other.motion, motion) if len(motion.times) == number + 1 else FAILED
+        runs.append(
+            Run(*trial, 0, number, median(seconds), *error, math.inf, math.inf, failure=failed)
+        )
+    return runs
 
 
 def _own(trial: Trial) -> Run:
