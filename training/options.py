@@ -167,19 +167,24 @@ class Fingerprint(RigOptions):
 class Bench:
     """Measure the solver, the environments and the accuracy in MuJoCo on this machine."""
 
-    topic: Positional[Literal["speed", "feedforward", "cranebench"]] = "speed"
+    topic: Positional[Literal["speed", "feedforward", "cranebench", "stream"]] = "speed"
     """"feedforward": the error of every formulation and scheme against its run time instead;
-    "cranebench": flatrig's controllers beside those of that benchmark, in its plant and wind."""
+    "cranebench": flatrig's controllers beside those of that benchmark, in its plant and wind;
+    "stream": cranes driven by random commands that nobody could follow."""
     repetitions: int = 15
     """Repetitions of each timing of "speed"."""
     samples: int = 100
     """Samples of each campaign of "cranebench"."""
+    seeds: int = 10
+    """Random commands for every rig of "stream"."""
+    seconds: float = 60.0
+    """How long they last [s]."""
     rig: tuple[str, ...] = ()
-    """Rigs of the catalogue for "feedforward", as the two options below; every rig if left out."""
+    """Rigs of the catalogue for "feedforward" and "stream"; every rig if left out."""
     formulation: tuple[str, ...] = ()
-    """Names of formulations ("minimal extension"); all if left out."""
+    """Names of formulations ("minimal extension") for "feedforward"; all if left out."""
     scheme: tuple[str, ...] = ()
-    """Names of schemes ("BDF 3") and of peers ("CasADi IDAS"); all if left out."""
+    """Names of schemes ("BDF 3") and of peers ("CasADi IDAS") for it; all if left out."""
     processes: int = 2
     """Number of processes that run side by side, except for "speed"."""
     output: Output = ""

@@ -92,7 +92,7 @@ class Stream:
         rig: Rig,
         start: ArrayLike | State,
         *,
-        lag: float = 0.3,
+        lag: float = 0.4,
         rate: float = 100.0,
         share: float = 0.95,
         margin: float | None = None,

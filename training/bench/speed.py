@@ -1,6 +1,7 @@
 """`flatrig bench`: how fast and how accurate, with the goals beside the numbers.
 
-`flatrig bench feedforward` is `error_against_time`, `flatrig bench cranebench` is `in_cranebench`.
+`flatrig bench feedforward` is `error_against_time`, `flatrig bench cranebench` is `in_cranebench`,
+`flatrig bench stream` is `governed`.
 
 Ratios compare two things in one run on one machine: they are timed in turns, and the median over
 the repetitions is taken, so that other load on the machine hits both alike.
@@ -54,14 +55,16 @@ ENVIRONMENTS = 64
 STEPS = 100
 """Control periods timed at once."""
 TOPICS = {
-    **dict.fromkeys(("rig", "formulation", "scheme"), ("feedforward",)),
+    **dict.fromkeys(("formulation", "scheme"), ("feedforward",)),
+    **dict.fromkeys(("seeds", "seconds"), ("stream",)),
+    "rig": ("feedforward", "stream"),
     **dict.fromkeys(("output", "resume"), ("feedforward", "cranebench")),
     **dict.fromkeys(("samples", "json"), ("cranebench",)),
 }
 """Topics that an option is for, where it is not for all."""
 
 
-def main(command: options.Bench) -> None:
+def main(command: options.Bench) -> int:
     """Print all tables; of another topic, those of its module."""
     options.check_number("--repetitions", command.repetitions)
     for name, topics in TOPICS.items():
@@ -72,18 +75,23 @@ def main(command: options.Bench) -> None:
         from . import error_against_time
 
         error_against_time.main(command)
-        return
+        return 0
     if command.topic == "cranebench":
         from . import in_cranebench
 
         in_cranebench.main(command)
-        return
+        return 0
+    if command.topic == "stream":
+        from . import governed
+
+        return governed.main(command)
     out = console()
     out.print(feedforward_table(command.repetitions))
     for lines in program_tables(command.repetitions):
         out.print(lines)
     out.print(environment_table(command.repetitions))
     out.print(accuracy_table(map(land, cases())))
+    return 0
 
 
 def feedforward_table(repetitions: int) -> Table:
