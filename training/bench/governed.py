@@ -78,7 +78,7 @@ class Driven:
 def main(command: options.Bench) -> int:
     """Print the table; 1 if anything went wrong."""
     options.check_number("--seeds", command.seeds)
-    options.check_number("--seconds", command.seconds, lowest=1.0)
+    options.check_number("--seconds", command.seconds, lowest=1.0, open_end=False)
     names = [models.full_name(name) for name in command.rig] or list(models.CATALOGUE)
     drives = [Drive(name, seed, command.seconds) for name in names for seed in range(command.seeds)]
     jobs = Jobs(drive, Processes(command.processes))
