@@ -22,6 +22,7 @@ from .crane.disturbances import Disturbances, Scenario, design
 from .crane.env import CraneEnv, CraneVectorEnv
 from .crane.friction_compensation import FrictionCompensation
 from .crane.input_shaper import Shaper
+from .crane.lqr import LQR, Observer
 from .crane.mass_estimate import MassEstimate
 from .crane.pid import PID
 from .crane.references import RandomMoves
@@ -40,6 +41,7 @@ from .ranges import quantity
 __all__ = [
     "ENVIRONMENTS",
     "HAND_ENVIRONMENTS",
+    "LQR",
     "OWN",
     "PD",
     "PID",
@@ -56,6 +58,7 @@ __all__ = [
     "HandVectorEnv",
     "Law",
     "MassEstimate",
+    "Observer",
     "Outcome",
     "PoseFeedback",
     "RandomGoals",

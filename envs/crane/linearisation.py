@@ -76,6 +76,8 @@ class LinearModel:
     """Number of inputs."""
     axes: int
     """Number of horizontal directions: the first disturbances are forces along them."""
+    period: float
+    """Of control [s]."""
     arrival: Array = field(init=False)
     """Step of arrival of each course, (P,): the model is the same from then on."""
 
@@ -168,7 +170,7 @@ class Lineariser:
         return LinearModel(
             np.concatenate(knots)[rows].astype(float), transition[rows], outputs[rows],
             drives[rows], self._rooms(states)[rows], self._trolleys, self.stride, self._drives,
-            self.axes,
+            self.axes, self.period,
         )  # fmt: skip
 
     def _rooms(self, states: Array) -> Array:

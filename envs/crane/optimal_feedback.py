@@ -13,7 +13,9 @@ wind it then uses the room that is left and leaves the load that much aside.
 Outputs count in metres, angles times their lever.  Where some outputs are coordinates of what the
 crane carries, the others (a free pulley's height, a spread) count by `other`.
 
-Disturbances that are expected, constant ones and gusts that go round, are `Disturbance`.
+Disturbances that are expected, constant ones and gusts that go round, are `Disturbance`.  Who does
+not know them takes integrals of the outputs into the state instead, I' = I + period / patience
+times outputs, each of which costs as much as its output does.
 """
 
 from dataclasses import dataclass
@@ -54,6 +56,8 @@ class Weights:
     """Of a command in one period, over the limits."""
     reach: float = 0.0
     """How far trolleys go at the most, for the cost near the ends of rails [m]."""
+    patience: float = 0.0
+    """Time in which a lasting error counts once more [s]; without integrals if 0."""
 
     @classmethod
     def of(cls, rig: Rig, scales: Scales) -> Self:
@@ -137,13 +141,17 @@ def regulator(
     Returns
     -------
     Feedback
-        For the state (joints, rates, last commands, latest first) and the disturbances expected:
+        For the state (joints, rates, last commands, latest first, integrals of the scaled outputs
+        if there is patience) and the disturbances expected:
         command = planned - state gain @ state - disturbance gain @ disturbances.
     """
     expected = expected or constant(model)
 
     def stage(step: int) -> Stage:
-        return _late(model, step, delays, outputs, weights, expected)
+        late = _late(model, step, delays, outputs, weights, expected)
+        if not weights.patience:
+            return late
+        return _with_integrals(late, model.at(step)[3] * outputs[:, None], model, weights.patience)
 
     last = int(model.arrival.max())
     gains = recursion(stage, last + 1, stationary(stage(last)))
@@ -193,3 +201,21 @@ def _late(
     forces[:, :states] = disturbances @ expected.spread
     change = np.broadcast_to(np.eye(drives) / weights.change**2, (count, drives, drives))
     return Stage(full, inputs, forces, expected.drift, cost, change)
+
+
+def _with_integrals(stage: Stage, scaled: Array, model: LinearModel, patience: float) -> Stage:
+    """The systems with an integral of each scaled output, (P, outputs, joints), at the end."""
+    count, size = stage.transition.shape[:2]
+    rows, joints = scaled.shape[1:]
+    longer = np.zeros((count, size + rows, size + rows))
+    longer[:, :size, :size] = stage.transition
+    longer[:, size:, :joints] = model.period / patience * scaled
+    longer[:, size:, size:] = np.eye(rows)
+    cost = np.zeros_like(longer)
+    cost[:, :size, :size], cost[:, size:, size:] = stage.state_cost, np.eye(rows)
+    inputs, disturbances = (
+        np.pad(part, ((0, 0), (0, rows), (0, 0))) for part in (stage.inputs, stage.disturbances)
+    )
+    return stage._replace(
+        transition=longer, inputs=inputs, disturbances=disturbances, state_cost=cost
+    )

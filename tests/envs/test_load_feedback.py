@@ -3,11 +3,15 @@
 import gymnasium as gym
 import numpy as np
 import pytest
+from scipy.linalg import solve_discrete_are
 
 import flatrig.envs as envs
 from flatrig import feedforward, models
+from flatrig.envs.crane.course_gains import LEAST, CourseGains
 from flatrig.envs.crane.courses import planned
 from flatrig.envs.crane.linearisation import Lineariser
+from flatrig.envs.crane.lqr import DELAY, NOISE
+from flatrig.envs.crane.optimal_feedback import Weights
 from flatrig.models.errors import OptionError
 
 RIG = models.make("overhead_crane")
@@ -28,11 +32,22 @@ def swing_damping(env):
     return envs.SwingDamping(base(env))
 
 
-def run(wrap, scenarios, sensors, steps=300):
+def lqr(env):
+    return envs.LQR(base(envs.TautGuard(env)))
+
+
+def observer(env):
+    return envs.Observer(base(envs.TautGuard(env)))
+
+
+HOLDING = {"reference": feedforward.hold((0.0, -3.0)), "hold": 14.0}
+
+
+def run(wrap, scenarios, sensors, steps=300, **options):
     """RMS distance of the load from its reference (n,), and where it was (steps, n, outputs)."""
     env = envs.CraneVectorEnv(
         RIG, num_envs=len(scenarios), sensors=sensors, disturbances="standard", timestep=5e-3,
-        nthread=1,
+        nthread=1, **options,
     )  # fmt: skip
     env = wrap(env)
     env.reset(seed=5, options={"scenarios": scenarios})
@@ -54,12 +69,77 @@ def test_swing_damping_takes_away_much_of_what_wind_and_friction_leave(sensors):
     assert seeing.mean() < 0.75 * without.mean()
 
 
-def test_side_by_side_is_alone():
-    _, together, _ = run(swing_damping, BLOWN, "full", steps=60)
+@pytest.mark.parametrize("sensors", ["sway", "full"])
+def test_a_regulator_takes_away_most_of_it(sensors):
+    without, _, _ = run(base, BLOWN, sensors)
+    seeing, _, _ = run(lqr, BLOWN, sensors)
+    assert (seeing < 0.5 * without).all()
+    assert seeing.mean() < 0.3 * without.mean()
+
+
+def aside(places):
+    """Largest distance from where a load is to hang, at the end, (n,) [m]."""
+    return np.abs(places[-100:] - HOLDING["reference"](0.0)[0]).max((0, 2))
+
+
+def test_encoders_tell_an_observer_of_swing():
+    swinging = [envs.Scenario(swing=0.05, delay=k, load_mass=m) for k in (0, 3) for m in (0.8, 1.2)]
+    _, without, _ = run(base, swinging, "encoders", 700, **HOLDING)
+    _, seeing, _ = run(observer, swinging, "encoders", 700, **HOLDING)
+    assert (aside(seeing) < 0.9 * aside(without)).all()
+    assert aside(seeing).mean() < 0.75 * aside(without).mean()
+
+
+def test_a_steady_wind_leaves_nothing_aside():
+    blown = [envs.Scenario(wind=w * WEIGHT, load_mass=m) for w in (0.02, -0.01) for m in (0.8, 1.2)]
+    _, places, _ = run(lqr, blown, "full", 700, **HOLDING)
+    assert (
+        aside(places) < 0.1 * 0.01 * 3.0
+    ).all()  # the least wind alone would give ten times that
+
+
+def test_late_commands_and_other_masses_leave_it_stable():
+    late = [envs.Scenario(swing=0.03, delay=3, load_mass=m) for m in (0.7, 1.0, 1.3)]
+    _, places, _ = run(lqr, late, "sway", 700, **HOLDING)
+    assert (aside(places) < 0.01).all()
+
+
+def test_nothing_is_added_where_nothing_is_wrong():
+    quiet = [envs.Scenario()]
+    for wrap, sensors in ((lqr, "full"), (observer, "encoders")):
+        assert run(wrap, quiet, sensors)[0] < 4e-4
+
+
+@pytest.mark.parametrize("sensors", ["encoders", "sway"])
+def test_the_observer_is_the_kalman_filter_of_the_linear_model(sensors):
+    """The second road: SciPy's Riccati equation, at knots of a crane whose frame turns."""
+    task = envs.CraneTask("rotary_crane")
+    lineariser, noise = Lineariser(task.rig, task.period, room=64), NOISE[sensors]
+    plan = task.planner.fixed
+    made = CourseGains(lineariser, task.scales, Weights.of(task.rig, task.scales), DELAY, noise)
+    gains = made.split(made.of(plan))
+    model = lineariser.along([planned(task.rig, lineariser.model, plan)])
+    first = model.states + model.inputs
+    for knot in (0, 7, -1):
+        moving, push = gains.transition[knot], gains.push[knot]
+        wind = model.transition[0, knot, :, first : first + model.axes]
+        spread = noise.inputs**2 * push @ push.T + noise.wind**2 * wind @ wind.T
+        seen = np.hstack((gains.seen[knot], np.zeros_like(gains.seen[knot])))
+        unsure = np.diag(made.errors**2)
+        error = solve_discrete_are(moving.T, seen.T, spread + LEAST * np.eye(len(moving)), unsure)
+        wanted = error @ seen.T @ np.linalg.inv(seen @ error @ seen.T + unsure)
+        assert gains.correction[knot] == pytest.approx(wanted, rel=1e-5, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("wrap", "sensors"), [(swing_damping, "full"), (lqr, "full"), (observer, "encoders")]
+)
+def test_side_by_side_is_alone(wrap, sensors):
+    _, together, _ = run(wrap, BLOWN, sensors, steps=60)
     env = gym.make(
-        "flatrig/OverheadCrane-v0", sensors="full", disturbances="standard", timestep=5e-3
+        "flatrig/OverheadCrane-v0", sensors=sensors, disturbances="standard", timestep=5e-3
     )
-    env = swing_damping(env)
+    env = wrap(env)
     env.reset(seed=6, options={"scenario": BLOWN[1]})
     alone = np.array([env.step(np.zeros(2))[4]["load"] for _ in range(60)])
     assert alone == pytest.approx(together[:, 1], abs=1e-9)
@@ -103,6 +183,13 @@ def test_drive_positions_follow_joints():
         (swing_damping, "encoders", "needs load sensors"),
         (lambda env: envs.SwingDamping(base(env), damping=0), "full", "damping"),
         (lambda env: envs.SwingDamping(swing_damping(env)), "full", "once"),
+        (lambda env: envs.LQR(envs.Feedforward(env)), "full", "needs feedforward and PD"),
+        (lambda env: envs.Observer(envs.PD(env)), "encoders", "needs feedforward and PD"),
+        (lqr, "encoders", "take Observer"),
+        (lambda env: envs.LQR(base(env), change=0), "full", "change"),
+        (lambda env: envs.LQR(base(env), patience=-1), "full", "patience"),
+        (lambda env: envs.LQR(swing_damping(env)), "full", "once"),
+        (lambda env: envs.LQR(observer(env)), "full", "once"),
     ],
 )
 def test_what_cannot_be_is_refused_in_a_line(wrap, sensors, message):

@@ -12,14 +12,17 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ...envs import (
+    LQR,
     PD,
     PID,
     Feedforward,
     FrictionCompensation,
     MassEstimate,
+    Observer,
     PoseFeedback,
     Shaper,
     SwingDamping,
+    TautGuard,
 )
 from ..learned import LearnedResidual, base_controller
 from ..policy import Policy
@@ -125,9 +128,25 @@ def with_pose(env: Any) -> Any:
     return PoseFeedback(with_feedback(env))
 
 
+def guarded(env: Any) -> Any:
+    """Feedforward, PD and the estimated mass, above winches that keep their ropes taut."""
+    return with_mass(TautGuard(env))
+
+
+@contender("observer", plants=("crane",), emphasis=True)
+def with_observer(env: Any) -> Any:
+    """An optimal regulator in the place of PD, by what a Kalman filter makes of encoders."""
+    return Observer(guarded(env))
+
+
 def with_swing_damping(env: Any) -> Any:
-    """The same with the estimated mass, and drives that move against the swing."""
-    return SwingDamping(base_controller(env))
+    """Drives that move against the swing."""
+    return SwingDamping(guarded(env))
+
+
+def with_regulator(env: Any) -> Any:
+    """An optimal regulator in the place of PD, by encoders and load sensors."""
+    return LQR(guarded(env))
 
 
 for sensors in SENSORS[1:]:
@@ -138,10 +157,11 @@ for sensors in SENSORS[1:]:
         emphasis=True,
         platforms=False,
     )(with_swing_damping)
+    contender(f"LQR, {sensors}", plants=("crane",), sensors=sensors, emphasis=True)(with_regulator)
 
 
 def with_residual(env: Any, policy: Policy) -> Any:
-    """The same with the estimated mass, and what a policy has learned."""
+    """What a policy has learned, on top of what it was trained on."""
     return LearnedResidual(base_controller(env), policy)
 
 
