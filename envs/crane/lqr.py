@@ -26,16 +26,19 @@ from typing import Any
 import numpy as np
 
 from ...models.errors import OptionError
-from ...models.types import Array
+from ...models.rig.rig import Rig
+from ...models.types import Array, Mask
 from ...models.values import bounded
 from ..controllers import FeedforwardLaw, PDLaw
 from ..laws import AnyEnv, Law, laws_of, refuse_below, task_of, wrap
 from .along_plans import AlongPlans
-from .course_gains import CourseGains, Gains, Noise
+from .course_gains import CourseGains, Gains
+from .kalman import KalmanFilter, Noise
 from .linearisation import Lineariser
 from .load_sensors import LoadSensors
-from .mass_estimate import MassLaw
+from .mass_estimate import FARTHEST
 from .optimal_feedback import Weights
+from .outputs import levers
 from .task import CraneTask
 
 DELAY = 3
@@ -45,99 +48,97 @@ LIKELY = 2
 CHANGE = 0.05
 """Change of a command in one period, over the limits, that costs as much as an error of a
 centimetre."""
-PATIENCE = 1.5
+PATIENCE = 1.0
 """Time in which a lasting error counts once more [s]."""
+CALM = 0.005, 3.0
+"""The two where a free pulley hangs in space: light, it swings between its ropes faster than a
+regulator that is late can follow, and linear models of it hold nearby only."""
 SWAY = 0.1
-"""Deviation of a joint that does [m, rad]: a drive that is held lets the load hang as a pendulum, as
-fast whatever its mass; one that yields swings with it."""
+"""Deviation of a joint that does [m, rad]: below a drive that is held a load swings as a pendulum,
+whatever its mass; one that yields swings with it."""
 NOISE = {
-    "sway": Noise(inputs=0.1, wind=0.1, outputs=3e-3),
-    "full": Noise(inputs=0.1, wind=0.1, outputs=1e-3),
-    "encoders": Noise(inputs=0.1, wind=0.01, outputs=0.0),
+    "sway": Noise(inputs=0.2, wind=0.1, outputs=3e-3),
+    "full": Noise(inputs=0.2, wind=0.1, outputs=1e-3),
+    "encoders": Noise(inputs=0.1, wind=0.01, outputs=0.0, drives=1e-3),
 }
 """What plants and sensors are taken for.  Where only drives tell of the load, whatever they feel is
 more likely their own friction."""
 
 
 class LQRLaw(Law):
-    """u = -K z - L I instead of the PD below."""
+    """u = m s - K z - L I instead of the PD below."""
 
     name = "LQR"
 
     def __init__(
-        self, task: CraneTask, loads: LoadSensors | None, below: list[Law], weights: Weights
+        self, task: CraneTask, loads: LoadSensors | None, feedback: PDLaw, weights: Weights
     ) -> None:
-        self._task, self._loads, self._weights = task, loads, weights
-        self._feedback = next(law for law in below if isinstance(law, PDLaw))
-        self._mass = next((law for law in below if isinstance(law, MassLaw)), None)
+        self._task, self._loads, self._feedback = task, loads, feedback
+        self._patience, drives = weights.patience, len(task.limits)
         timestep = None if task.massless is None else float(task.plant.model.opt.timestep)
         lineariser = Lineariser(task.rig, task.period, massless=task.massless, timestep=timestep)
         noise = NOISE["encoders" if loads is None else task.sensors]
-        self._gains = CourseGains(lineariser, task.scales, weights, DELAY, noise)
+        errors, self._late = np.full(drives, noise.drives), np.zeros(drives, bool)
+        if loads is not None:
+            outputs = noise.outputs / levers(task.rig, task.scales)
+            errors = np.append(errors, outputs)
+            self._late = np.append(self._late, np.full(len(outputs), loads.late > 0))
+        self._gains = CourseGains(lineariser, task.scales, weights, DELAY, errors)
         self._table = AlongPlans(task, self._gains.of, lineariser.stride)
-        outputs = len(task.rig.outputs)
-        states, measured = 2 * lineariser.model.nv, len(self._gains.errors)
-        self._foreseen = np.zeros((task.num, states))
-        self.added = np.zeros((task.num, len(task.limits)))
+        states = 2 * lineariser.model.nv
+        self.filter = KalmanFilter(task.num, states, noise, errors, task.period)
+        """What it believes of the crane's state."""
+        self.sensitivity = np.zeros((task.num, drives))
+        """Slope of the feedforward over the limits in the mass ratio, now, (n, drives)."""
+        self.added = np.zeros((task.num, drives))
         """What it added last, over the limits, (n, drives)."""
-        self.state = np.zeros((task.num, states))
-        """Joints and rates minus the planned ones as they seemed to be, (n, states)."""
-        self.surprise = np.zeros((task.num, measured))
-        """What was measured minus what was foreseen, over its error, (n, measured)."""
-        self._before = np.zeros((task.num, outputs))
-        self._sum = np.zeros((task.num, outputs))
-        self._sent = np.zeros((task.num, DELAY, len(task.limits)))
+        self._sum = np.zeros((task.num, len(task.rig.outputs)))
+        self._sent = np.zeros((task.num, DELAY, drives))
+
+    @property
+    def estimate(self) -> Array:
+        """Mass of the loads over the rig's, (n,)."""
+        return np.asarray(1.0 + np.clip(self.filter.estimate[:, -1], -FARTHEST, FARTHEST))
 
     def apply(self, actions: Array) -> Array:
         """Put the regulator's feedback in the place of the PD's."""
-        task = self._task
+        task, fresh = self._task, self._task.steps == 0
         gains = self._gains.split(self._table.now())
-        fresh = task.steps == 0
         self._remember(fresh)
         self._observe(gains, fresh)
-        known = [self.state, self._sent.reshape(task.num, -1)]
+        self.sensitivity = gains.slope[:, 0]
+        heavier = (self.estimate - 1.0)[:, None] * self.sensitivity
+        on_the_way = (self._sent - heavier[:, None]).reshape(task.num, -1)
+        known = [self.filter.estimate[:, :-1], on_the_way]
         if self._loads is not None:
-            known.append(self._integrals(self._loads))
-        wanted = -np.matvec(gains.feedback, np.hstack(known))
+            known.append(self._integrals(self._loads, fresh))
+        wanted = heavier - np.matvec(gains.feedback, np.hstack(known))
         self.added = np.asarray(wanted - self._feedback.feedback())
         return np.asarray(actions + self.added)
 
-    def _remember(self, fresh: Array) -> None:
-        """Take in what was sent beyond the feedforward; forget what was before `fresh` episodes."""
+    def _remember(self, fresh: Mask) -> None:
+        """Take in what was sent beyond the feedforward; nothing was before `fresh` episodes."""
         task = self._task
-        planned = task.rows.later("feedforward", -1)
-        if self._mass is not None:
-            planned = planned + (self._mass.estimate - 1.0)[:, None] * self._mass.sensitivity
         self._sent[:, 1:] = self._sent[:, :-1]
-        self._sent[:, 0] = task.commands - planned
-        for memory in (self._sent, self._sum, self._foreseen, self._before, self.added):
-            memory[fresh] = 0.0
+        self._sent[:, 0] = task.commands - task.rows.later("feedforward", -1)
+        self._sent[fresh] = 0.0
 
-    def _observe(self, gains: Gains, fresh: Array) -> None:
+    def _observe(self, gains: Gains, fresh: Mask) -> None:
         """Correct what was foreseen by what is measured, and foresee the next period."""
-        joints, drives = gains.seen.shape[2], len(self._task.limits)
-        measured = -self._task.encoders.errors[:, :drives]
+        measured = -self._task.encoders.errors[:, : len(self._task.limits)]
         if self._loads is not None:
             measured = np.hstack((measured, -self._loads.errors))
-        if fresh.any():  # nothing moves yet, but loads may hang aside
-            self._foreseen[fresh, :joints] = np.matvec(gains.joints, measured)[fresh]
-        foreseen = np.matvec(gains.seen, self._foreseen[:, :joints])
-        if self._loads is not None and self._loads.late:
-            foreseen[:, drives:] = np.where(fresh[:, None], foreseen[:, drives:], self._before)
-        surprise = measured - foreseen
-        self.surprise = surprise / self._gains.errors
-        self.state = self._foreseen + np.matvec(gains.correction, surprise)
-        if self._loads is not None:
-            self._before = np.matvec(gains.seen[:, drives:], self.state[:, :joints])
-        self._foreseen = np.matvec(gains.transition, self.state)
-        self._foreseen += np.matvec(gains.push, self._sent[:, LIKELY - 1])
+        if fresh.any():
+            self.filter.begin(gains, measured, fresh)
+        self.filter.correct(gains, measured, self._late)
+        self.filter.foresee(gains, self._sent[:, LIKELY - 1])
 
-    def _integrals(self, loads: LoadSensors) -> Array:
+    def _integrals(self, loads: LoadSensors, fresh: Mask) -> Array:
         """Integrals of scaled outputs, which wait where a drive is at its limit, (n, outputs)."""
         task = self._task
         free = (np.abs(task.commands) < 1.0).all(axis=1, keepdims=True)
-        share = task.period / self._weights.patience
-        self._sum -= free * share * self._gains.outputs * loads.errors
+        self._sum[fresh] = 0.0
+        self._sum -= free * (task.period / self._patience) * self._gains.outputs * loads.errors
         return self._sum
 
 
@@ -147,7 +148,7 @@ class ObserverLaw(LQRLaw):
     name = "Observer"
 
 
-def LQR(env: AnyEnv, *, change: float = CHANGE, patience: float = PATIENCE) -> Any:
+def LQR(env: AnyEnv, *, change: float | None = None, patience: float | None = None) -> Any:
     """Regulate drives and loads around the exact trajectory, by encoders and load sensors.
 
     Parameters
@@ -157,9 +158,11 @@ def LQR(env: AnyEnv, *, change: float = CHANGE, patience: float = PATIENCE) -> A
         or vector; a `MassEstimate` above these feeds the mass that it carries.
     change
         Change of a command in one period, over the limits, that costs as much as the load's error
-        of a centimetre: more is quicker, and bears less delay and noise.
+        of a centimetre: more is quicker, and bears less delay and noise; 0.05, or 0.005 with a
+        free pulley in space, if left out.
     patience
-        Time in which a lasting error costs once more what it does at once [s].
+        Time in which a lasting error costs once more what it does at once [s]; 1, or 3 with such
+        a pulley, if left out.
 
     Raises
     ------
@@ -167,22 +170,23 @@ def LQR(env: AnyEnv, *, change: float = CHANGE, patience: float = PATIENCE) -> A
         A number is not > 0, `env` is no crane, has no load sensors or lacks `PD` or `Feedforward`,
         or an `LQR`, `Observer`, `SwingDamping` or `Residual` stands below.
     """
-    task, below = _below(env, "LQR")
+    task, feedback = _below(env, "LQR")
     if task.loads is None:
         raise OptionError(
             'LQR needs load sensors; make the environment with sensors="sway" or "full", or take '
             "Observer"
         )
-    change = bounded("change", change, above=0)
-    patience = bounded("patience", patience, above=0, unit="s")
+    usual = _usual(task.rig)
+    change = bounded("change", usual[0] if change is None else change, above=0)
+    patience = bounded("patience", usual[1] if patience is None else patience, above=0, unit="s")
     weights = replace(
         Weights.of(task.rig, task.scales), change=change, patience=patience, sway=SWAY
     )
-    law = LQRLaw(task, task.loads, below, weights)
+    law = LQRLaw(task, task.loads, feedback, weights)
     return wrap(env, law, change=change, patience=patience)
 
 
-def Observer(env: AnyEnv, *, change: float = CHANGE) -> Any:
+def Observer(env: AnyEnv, *, change: float | None = None) -> Any:
     """Regulate drives around the exact trajectory, and the swing that they feel, by encoders alone.
 
     Parameters
@@ -198,14 +202,19 @@ def Observer(env: AnyEnv, *, change: float = CHANGE) -> Any:
         A number is not > 0, `env` is no crane or lacks `PD` or `Feedforward`, or an `LQR`,
         `Observer`, `SwingDamping` or `Residual` stands below.
     """
-    task, below = _below(env, "Observer")
-    change = bounded("change", change, above=0)
+    task, feedback = _below(env, "Observer")
+    change = bounded("change", _usual(task.rig)[0] if change is None else change, above=0)
     weights = replace(Weights.of(task.rig, task.scales), change=change, sway=SWAY)
-    return wrap(env, ObserverLaw(task, None, below, weights), change=change)
+    return wrap(env, ObserverLaw(task, None, feedback, weights), change=change)
 
 
-def _below(env: AnyEnv, name: str) -> tuple[CraneTask, list[Law]]:
-    """The task, and the controllers that a regulator needs below it.
+def _usual(rig: Rig) -> tuple[float, float]:
+    """Change and patience that suit a rig."""
+    return CALM if rig.pulleys and rig.dimensions == 3 else (CHANGE, PATIENCE)
+
+
+def _below(env: AnyEnv, name: str) -> tuple[CraneTask, PDLaw]:
+    """The task, and the feedback below whose place a regulator takes.
 
     Raises
     ------
@@ -215,12 +224,12 @@ def _below(env: AnyEnv, name: str) -> tuple[CraneTask, list[Law]]:
     task = task_of(env)
     if not isinstance(task, CraneTask):
         raise OptionError(f"{env} is no crane, {name} is for loads of cranes")
-    refuse_below(env, name, "LQR", "Observer", "SwingDamping")
+    refuse_below(env, name, "LQR", "Observer", "SwingDamping", "MassEstimate")
     laws = list(laws_of(env))
-    moving = any(isinstance(law, PDLaw) and law.moving for law in laws)
-    if not moving or not any(isinstance(law, FeedforwardLaw) for law in laws):
+    feedback = next((law for law in laws if isinstance(law, PDLaw) and law.moving), None)
+    if feedback is None or not any(isinstance(law, FeedforwardLaw) for law in laws):
         raise OptionError(
             f"{name} needs feedforward and PD towards the moving reference below; "
-            f"take {name}(MassEstimate(Feedforward(PD(env))))"
+            f"take {name}(Feedforward(PD(env)))"
         )
-    return task, laws
+    return task, feedback

@@ -3,15 +3,12 @@
 import gymnasium as gym
 import numpy as np
 import pytest
-from scipy.linalg import solve_discrete_are
 
 import flatrig.envs as envs
 from flatrig import feedforward, models
-from flatrig.envs.crane.course_gains import LEAST, CourseGains
 from flatrig.envs.crane.courses import planned
 from flatrig.envs.crane.linearisation import Lineariser
-from flatrig.envs.crane.lqr import DELAY, NOISE
-from flatrig.envs.crane.optimal_feedback import Weights
+from flatrig.envs.crane.lqr import LQRLaw
 from flatrig.models.errors import OptionError
 
 RIG = models.make("overhead_crane")
@@ -33,11 +30,11 @@ def swing_damping(env):
 
 
 def lqr(env):
-    return envs.LQR(base(envs.TautGuard(env)))
+    return envs.LQR(envs.Feedforward(envs.PD(envs.TautGuard(env))))
 
 
 def observer(env):
-    return envs.Observer(base(envs.TautGuard(env)))
+    return envs.Observer(envs.Feedforward(envs.PD(envs.TautGuard(env))))
 
 
 HOLDING = {"reference": feedforward.hold((0.0, -3.0)), "hold": 14.0}
@@ -110,25 +107,12 @@ def test_nothing_is_added_where_nothing_is_wrong():
         assert run(wrap, quiet, sensors)[0] < 4e-4
 
 
-@pytest.mark.parametrize("sensors", ["encoders", "sway"])
-def test_the_observer_is_the_kalman_filter_of_the_linear_model(sensors):
-    """The second road: SciPy's Riccati equation, at knots of a crane whose frame turns."""
-    task = envs.CraneTask("rotary_crane")
-    lineariser, noise = Lineariser(task.rig, task.period, room=64), NOISE[sensors]
-    plan = task.planner.fixed
-    made = CourseGains(lineariser, task.scales, Weights.of(task.rig, task.scales), DELAY, noise)
-    gains = made.split(made.of(plan))
-    model = lineariser.along([planned(task.rig, lineariser.model, plan)])
-    first = model.states + model.inputs
-    for knot in (0, 7, -1):
-        moving, push = gains.transition[knot], gains.push[knot]
-        wind = model.transition[0, knot, :, first : first + model.axes]
-        spread = noise.inputs**2 * push @ push.T + noise.wind**2 * wind @ wind.T
-        seen = np.hstack((gains.seen[knot], np.zeros_like(gains.seen[knot])))
-        unsure = np.diag(made.errors**2)
-        error = solve_discrete_are(moving.T, seen.T, spread + LEAST * np.eye(len(moving)), unsure)
-        wanted = error @ seen.T @ np.linalg.inv(seen @ error @ seen.T + unsure)
-        assert gains.correction[knot] == pytest.approx(wanted, rel=1e-5, abs=1e-7)
+def test_the_load_is_weighed_at_once():
+    heavy = [envs.Scenario(load_mass=m) for m in (0.7, 1.3)]
+    for wrap, sensors in ((lqr, "sway"), (observer, "encoders")):
+        _, _, env = run(wrap, heavy, sensors, 25)
+        law = next(law for law in envs.laws.laws_of(env) if isinstance(law, LQRLaw))
+        assert law.estimate == pytest.approx([0.7, 1.3], abs=0.08)
 
 
 @pytest.mark.parametrize(
@@ -186,9 +170,9 @@ def test_drive_positions_follow_joints():
         (lambda env: envs.LQR(envs.Feedforward(env)), "full", "needs feedforward and PD"),
         (lambda env: envs.Observer(envs.PD(env)), "encoders", "needs feedforward and PD"),
         (lqr, "encoders", "take Observer"),
-        (lambda env: envs.LQR(base(env), change=0), "full", "change"),
-        (lambda env: envs.LQR(base(env), patience=-1), "full", "patience"),
-        (lambda env: envs.LQR(swing_damping(env)), "full", "once"),
+        (lambda env: envs.LQR(envs.Feedforward(envs.PD(env)), change=0), "full", "change"),
+        (lambda env: envs.LQR(envs.Feedforward(envs.PD(env)), patience=-1), "full", "patience"),
+        (lambda env: envs.LQR(base(env)), "full", "MassEstimate stands below already"),
         (lambda env: envs.LQR(observer(env)), "full", "once"),
     ],
 )

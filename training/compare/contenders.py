@@ -129,8 +129,8 @@ def with_pose(env: Any) -> Any:
 
 
 def guarded(env: Any) -> Any:
-    """Feedforward, PD and the estimated mass, above winches that keep their ropes taut."""
-    return with_mass(TautGuard(env))
+    """The exact inputs and PD above winches that keep their ropes taut."""
+    return with_feedback(TautGuard(env))
 
 
 @contender("observer", plants=("crane",), emphasis=True)
@@ -140,8 +140,8 @@ def with_observer(env: Any) -> Any:
 
 
 def with_swing_damping(env: Any) -> Any:
-    """Drives that move against the swing."""
-    return SwingDamping(guarded(env))
+    """Drives that move against the swing, and the estimated mass."""
+    return SwingDamping(MassEstimate(guarded(env)))
 
 
 def with_regulator(env: Any) -> Any:
