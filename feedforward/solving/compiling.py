@@ -53,6 +53,8 @@ def library(name: str, text: str) -> ctypes.CDLL:
                     first = next(iter(done.stderr.splitlines()), f"status {done.returncode}")
                     raise OptionError(f"{found} refuses the file of rig {name}: {first}")
                 built.replace(place)
+        except TimeoutError:  # of a caller who has waited long enough, not of a file
+            raise
         except OSError as error:
             raise OptionError(f"cannot build in {folder}: {error.strerror}") from None
     return ctypes.CDLL(str(place))

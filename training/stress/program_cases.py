@@ -14,7 +14,7 @@ from .wild_moves import random_move
 
 MOVES = 500
 """Random moves of each crane."""
-TOGETHER = 20
+TOGETHER = 10
 """Moves of a case."""
 SAMPLES = 501
 """Steps of a move."""
