@@ -186,6 +186,25 @@ def test_what_solve_refuses_is_refused():
             stepper.step(beyond, 0.01)
 
 
+@needs_compiler
+def test_a_rope_that_ran_the_other_way_is_refused():
+    """As after a step through its winch with all determinants' signs kept, which is rare."""
+    rig = models.make("overhead_crane")
+    at_rest = np.zeros((5, 2))
+    at_rest[0] = 0.0, -4.0
+    in_python = feedforward.Stepper(rig, (0.0, -4.0))
+    in_c = feedforward.Stepper(rig, (0.0, -4.0), in_c=True)
+    for stepper in (in_python, in_c):
+        stepper.step(at_rest, 0.0)
+    in_python._kernel.spans = [[4.0, 0.0, 4.0]]
+    span = in_c._kernel.library.state.span
+    assert list(span) == [0.0, -4.0]
+    span[1] = 4.0
+    for stepper in (in_python, in_c):
+        with pytest.raises(PathError, match="has passed through a point or through infinity"):
+            stepper.step(at_rest, 0.001)
+
+
 def test_a_stepper_without_a_compiler_knows_straight_pulleys():
     rig = models.make("navy_crane_2d", pulley_mass=0)
     reference = feedforward.from_move(models.default_move(rig))
