@@ -72,7 +72,7 @@ class Training:
         self.rig, self.move, self.sensors, self.seed = rig, move, sensors, seed
         self.nthread = nthread
         self.settings = settings or Settings.of(sensors)
-        self.disturbances = Disturbances.standard(rig)
+        self.disturbances = replace(Disturbances.standard(rig), delay=self.settings.delays)
         self.room = Classroom(
             rig, move, self.settings.episodes, sensors=sensors, disturbances=self.disturbances,
             nthread=nthread,

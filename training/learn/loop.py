@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
+from ...envs.crane.disturbances import Disturbances
 from ...models import Move, Rig
 from ...models.types import Array, Mask
 from .. import options
@@ -131,14 +132,14 @@ class Judge:
     """Drives moves and plants that are not trained on, the same ones every time."""
 
     def __init__(self, training: Training) -> None:
-        self._training = training
+        self._training, disturbances = training, Disturbances.standard(training.rig)
         self._room = Classroom(
             training.rig, training.move, VALIDATION_EPISODES, sensors=training.sensors,
-            disturbances=training.disturbances, nthread=training.nthread,
+            disturbances=disturbances, nthread=training.nthread,
         )  # fmt: skip
         self._episodes = draw_episodes(
             training.rig, training.move, VALIDATION_EPISODES,
-            np.random.default_rng(VALIDATION_SEED), disturbances=training.disturbances,
+            np.random.default_rng(VALIDATION_SEED), disturbances=disturbances,
             period=self._room.task.period, holds=VALIDATION_HOLDS,
         )  # fmt: skip
         self.base = self._drive(lambda: np.zeros((self._room.task.num, len(training.rig.drives))))

@@ -15,12 +15,16 @@ VALIDATION_HOLDS = (4.0, 20.0)
 
 SENSITIVE: dict[str, dict[str, Any]] = {
     "encoders": {"change": 0.004, "reach": 3.0, "gate": (0.3, 1.0, 10.0)},
-    "sway": {"change": 0.01, "reach": 6.0, "gate": (0.1, 0.4, 10.0)},
-    "full": {"change": 0.02, "reach": 6.0, "gate": (0.1, 0.4, 10.0)},
-}
+    "sway": {
+        "change": 0.01, "reach": 6.0, "gate": (0.1, 0.4, 10.0), "delay": 2, "delays": (0, 3),
+    },
+    "full": {
+        "change": 0.02, "reach": 6.0, "gate": (0.1, 0.4, 10.0), "delay": 2, "delays": (0, 3),
+    },
+}  # fmt: skip
 """What differs for each set of sensors.  A stiffer teacher asks more than a policy can know, and
 what that believes wrongly makes swing; who sees less must be surer before it acts, and may do
-less."""
+less.  Who sees the load acts so fast that delays matter, also those beyond the standard ones."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,8 @@ class Settings:
     error of a centimetre."""
     delay: int = 1
     """Delay with which the teacher counts [periods]: a policy cannot tell one from another."""
+    delays: tuple[int, int] = (0, 2)
+    """Delays of the plants [periods]."""
     gate: tuple[float, float, float] = (0.3, 1.0, 10.0)
     """Evidence at which the residual begins and counts whole, and its time constant [s]."""
     time_constants: tuple[float, ...] = TIME_CONSTANTS
