@@ -1,23 +1,24 @@
 """Linear-quadratic regulators with Kalman filters around the exact trajectory.
 
-    env = MassEstimate(Feedforward(PD(TautGuard(env))))
+    env = Feedforward(PD(TautGuard(env)))
     env = LQR(env)         # with load sensors, "sway" or "full"
     env = Observer(env)    # or with encoders alone
 
-What they add makes the feedback of `PD` that of the regulator.  The state z holds joints, rates and
-commands that are on their way, I integrals of the errors that load sensors show, so that a steady
-wind leaves none:
+What they add makes the feedback of `PD` that of the regulator, and the feedforward that of the load
+as it was weighed.  The state z holds joints, rates and commands that are on their way, I integrals
+of the errors that load sensors show, so that a steady wind leaves none:
 
-    added = -K z - L I - P,           K, L from `optimal_feedback`, P what the PD gives.
+    added = m s - K z - L I - P,      K, L from `optimal_feedback`, P what the PD gives.
 
-Joints and rates are those of a Kalman filter along the plan (`course_gains`).  Encoders alone do
+Joints, rates and m are what a Kalman filter along the plan believes (`kalman`).  Encoders alone do
 not tell wind from friction: `Observer` has no integrals, it damps the swing that drives feel.
 
 A regulator that is too sure of its model fails on a plant that is another one.  These take commands
 to be three periods late, one more than the longest of the standard disturbances, count with inputs
 that are off by some percent of the limits, and with forces of no model on the load.
 
-Limits: the linear models are those of the rig's own mass.
+Limits: the linear models are those of the rig's own mass.  With the wind among what the filter
+believes, one crane of three got better and the rotary one let ropes go slack.
 """
 
 from dataclasses import replace
@@ -155,7 +156,7 @@ def LQR(env: AnyEnv, *, change: float | None = None, patience: float | None = No
     ----------
     env
         A crane with load sensors, `Feedforward` and a `PD` towards the moving reference, single
-        or vector; a `MassEstimate` above these feeds the mass that it carries.
+        or vector.
     change
         Change of a command in one period, over the limits, that costs as much as the load's error
         of a centimetre: more is quicker, and bears less delay and noise; 0.05, or 0.005 with a
@@ -168,7 +169,7 @@ def LQR(env: AnyEnv, *, change: float | None = None, patience: float | None = No
     ------
     OptionError
         A number is not > 0, `env` is no crane, has no load sensors or lacks `PD` or `Feedforward`,
-        or an `LQR`, `Observer`, `SwingDamping` or `Residual` stands below.
+        or an `LQR`, `Observer`, `SwingDamping`, `MassEstimate` or `Residual` stands below.
     """
     task, feedback = _below(env, "LQR")
     if task.loads is None:
@@ -200,7 +201,7 @@ def Observer(env: AnyEnv, *, change: float | None = None) -> Any:
     ------
     OptionError
         A number is not > 0, `env` is no crane or lacks `PD` or `Feedforward`, or an `LQR`,
-        `Observer`, `SwingDamping` or `Residual` stands below.
+        `Observer`, `SwingDamping`, `MassEstimate` or `Residual` stands below.
     """
     task, feedback = _below(env, "Observer")
     change = bounded("change", _usual(task.rig)[0] if change is None else change, above=0)
