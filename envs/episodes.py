@@ -53,6 +53,8 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
     """What can be observed."""
     sensors: str
     """What is observed, one of these."""
+    takes_inputs: ClassVar[bool] = True
+    """Whether actions are inputs over their limits."""
     period: float
     """Time between two steps [s]."""
     limits: Array
@@ -198,10 +200,22 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         """
         self.plant.require_threads()
         wanted = actions_of(actions, self._scale.shape, self._names, lambda: none_of(ids, self.num))
-        if self._new and (ids is None or not self._new.isdisjoint(ids.tolist())):
-            raise OptionError("no episode has begun, call reset before step")
+        self._require_begun(ids)
         reward = self._advance(wanted, None) if ids is None else self._advance_some(wanted, ids)
         return self._judge(reward, ids)
+
+    def _require_begun(self, ids: Ids | None) -> None:
+        """Refuse to go on with what has not begun."""
+        if self._new and (ids is None or not self._new.isdisjoint(ids.tolist())):
+            raise OptionError("no episode has begun, call reset before step")
+
+    def _take_over(self, ids: Ids, plans: Sequence[PlanT]) -> None:
+        """Go on with other plans from the present steps on."""
+        for sim, plan in zip(ids.tolist(), plans, strict=True):
+            self.plans[sim] = plan
+        self.rows.follow(ids, plans)
+        self.rows.look(self._steps)
+        self._countdown = int((self.rows.length - self._steps).min())
 
     def observation(self) -> Array:
         """What the sensors say, (n, entries), scaled to order one; the caller's own."""

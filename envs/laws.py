@@ -134,8 +134,13 @@ def wrap(env: AnyEnv, law: Law, **options: Any) -> Controller | VectorController
     Raises
     ------
     OptionError
-        `env` is neither a crane nor a hand.
+        `env` is neither a crane nor a hand, or its actions are no inputs.
     """
+    if not task_of(env).takes_inputs:
+        raise OptionError(
+            f'{law.name} adds inputs, and the actions with reference="operator" are velocities; '
+            "take reference=feedforward.hold(start, duration) and `lead` in each step"
+        )
     if isinstance(env, VectorEnv):
         return VectorController(env, law, options)
     return Controller(env, law, options)

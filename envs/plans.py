@@ -13,7 +13,7 @@ A `Plan` is made once for a reference and read row by row.  Row k belongs to the
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Generic, TypeVar, cast
 
@@ -64,8 +64,17 @@ class Layout:
         """Number of columns."""
         return int(self.columns["left"].stop)
 
-    def table(self, period: float, positions: Array, rates: Array, **parts: Array) -> Array:
-        """All rows of a plan, shape (steps + 1, width), read-only.
+    def table(
+        self,
+        period: float,
+        positions: Array,
+        rates: Array,
+        *,
+        since: int = 0,
+        steps: int = 0,
+        **parts: Array,
+    ) -> Array:
+        """The rows of a plan, all or from some step on, shape (rows, width), read-only.
 
         Parameters
         ----------
@@ -73,8 +82,12 @@ class Layout:
             Of control [s].
         positions, rates
             Of the drives, at least as far ahead as the preview looks.
+        since
+            Step of the first row.
+        steps
+            Length of the episode in control periods; by default it ends with the last row.
         **parts
-            The outputs, their rates, the feedforward and the holding inputs, (steps + 1, ...) each.
+            The outputs, their rates, the feedforward and the holding inputs, (rows, ...) each.
         """
         count = len(parts["outputs"])
         rows = np.zeros((count, self.width))
@@ -82,7 +95,8 @@ class Layout:
         parts["preview"] = np.hstack(
             [positions[step : step + count] - positions[:count] for step in steps_ahead(period)]
         )
-        parts["left"] = 1.0 - np.arange(count)[:, None] / (count - 1)
+        left = np.arange(since, since + count)[:, None] / (steps or since + count - 1)
+        parts["left"] = 1.0 - left
         for name, columns in self.columns.items():
             rows[:, columns] = parts[name]
         rows.flags.writeable = False
@@ -99,18 +113,25 @@ class Plan:
     """A reference at every step of an episode, with what it implies."""
 
     rows: Array
-    """All rows, shape (steps + 1, columns); see the module."""
+    """All rows from step `since` on, shape (steps + 1 - since, columns); see the module."""
     inputs: Array
     """Inputs that hold the plant at the start of the path, shape (drives,) [N, N m]."""
     goal: Array
     """Drive positions at rest at the goal, shape (drives,) [m, rad]."""
     goal_inputs: Array
     """Inputs over their limits that hold the plant there, shape (drives,)."""
+    since: int = field(default=0, kw_only=True)
+    """Step of the episode from which on the plan is followed."""
+
+    @property
+    def known(self) -> int:
+        """Step of the last row."""
+        return self.since + len(self.rows) - 1
 
     @property
     def steps(self) -> int:
         """Length of an episode in control periods."""
-        return len(self.rows) - 1
+        return self.known
 
 
 PlanT = TypeVar("PlanT", bound=Plan)

@@ -147,6 +147,7 @@ class Rows:
         self._table = np.zeros((0, layout.width)) if shared is None else shared.rows
         self._row = np.zeros((num, layout.width))
         self.length = np.full(num, 0 if shared is None else shared.steps)
+        self._known = self.length.copy()
         self.goal = np.zeros((num, layout.drives))
         self.goal_inputs = np.zeros((num, layout.drives))
         self._columns = columns = layout.columns
@@ -158,7 +159,7 @@ class Rows:
         if any(plan is not self._shared for plan in plans):
             self._store(ids, plans)
         for sim, plan in zip(ids.tolist(), plans, strict=True):
-            self.length[sim] = plan.steps
+            self.length[sim], self._known[sim] = plan.steps, plan.known
             self.goal[sim], self.goal_inputs[sim] = plan.goal, plan.goal_inputs
 
     def look(self, step: Steps) -> None:
@@ -167,13 +168,13 @@ class Rows:
         self._table.take(self._index, 0, self._row, "clip")
 
     def later(self, name: str, steps: int) -> Array:
-        """One of `parts` some steps later, or at the end of the plan, (n, its entries)."""
-        rows = np.minimum(self._index + steps, self._first + self.length)
+        """One of `parts` some steps later, or at the end of what is known, (n, its entries)."""
+        rows = np.minimum(self._index + steps, self._first + self._known)
         return np.asarray(self._table[:, self._columns[name]][rows])
 
     def _store(self, ids: Ids, plans: Sequence[Plan]) -> None:
-        """Write plans into slots of their simulations' own."""
-        room = max(self._room, *(len(plan.rows) for plan in plans))
+        """Write plans into slots of their simulations' own; what is before them stays."""
+        room = max(self._room, *(plan.steps + 1 for plan in plans))
         num = len(self._first)
         if self._shared is not None or room > self._room:
             table = np.zeros((num, room, self._table.shape[1]))
@@ -184,5 +185,5 @@ class Rows:
             self._table = table.reshape(num * room, -1)
             self._room, self._shared = room, None
         for sim, plan in zip(ids.tolist(), plans, strict=True):
-            first = self._first[sim]
+            first = self._first[sim] + plan.since
             self._table[first : first + len(plan.rows)] = plan.rows

@@ -69,7 +69,7 @@ class TaskEnv(TaskFace[TaskT], gym.Env[Any, Any]):
         self._show(task, render_mode, MODES)
         self.observation_space = observation_space(task.observation_names)
         self.action_space = action_space(task.action_names)
-        self._expected = task.limits.shape, task.action_names
+        self._expected = (len(task.action_names),), task.action_names
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

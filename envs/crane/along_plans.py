@@ -31,7 +31,7 @@ class AlongPlans:
         self._known: WeakKeyDictionary[CranePlan, Array] = WeakKeyDictionary()
         self._plans: list[CranePlan] = []
         self._rows = np.zeros(0)
-        self._first = self._last = np.zeros(task.num, dtype=np.int64)
+        self._first = self._last = self._since = np.zeros(task.num, dtype=np.int64)
 
     def now(self, ahead: int = 0) -> Array:
         """The numbers at the present steps, or some steps ahead, shape (n, ...)."""
@@ -40,9 +40,8 @@ class AlongPlans:
             plan is not old for plan, old in zip(task.plans, self._plans, strict=True)
         ):
             self._follow()
-        return np.asarray(
-            self._rows[self._first + np.minimum((task.steps + ahead) // self._every, self._last)]
-        )
+        row = (task.steps + ahead - self._since) // self._every
+        return np.asarray(self._rows[self._first + np.minimum(row, self._last)])
 
     def of(self, plan: CranePlan) -> Array:
         """The numbers of one plan."""
@@ -60,3 +59,4 @@ class AlongPlans:
         self._rows = np.concatenate(tables)
         self._first = np.array([where[id(plan)] for plan in self._plans])
         self._last = np.array([len(self.of(plan)) - 1 for plan in self._plans])
+        self._since = np.array([plan.since for plan in self._plans])

@@ -25,7 +25,8 @@ class Course(NamedTuple):
 
 
 def planned(rig: Rig, model: mujoco.MjModel, plan: CranePlan, load_mass: float = 1.0) -> Course:
-    """The motion of a rig that carries `load_mass` times its load, until it has arrived.
+    """The motion of a rig that carries `load_mass` times its load, from the plan's first row on
+    until it has arrived.
 
     Raises
     ------
@@ -33,7 +34,8 @@ def planned(rig: Rig, model: mujoco.MjModel, plan: CranePlan, load_mass: float =
         The rig with such a load cannot follow the plan's path.
     """
     true = rig if load_mass == 1.0 else reloaded(rig, load_mass)
-    instants = plan.period * np.arange(int(np.ceil(plan.reference.duration / plan.period)) + 2)
+    last = int(np.ceil(plan.reference.duration / plan.period)) + 2
+    instants = plan.period * np.arange(plan.since, max(last, plan.since + 2))
     middles = instants + 0.5 * plan.period
     motion = feedforward.solve(true, plan.reference, np.concatenate((instants, middles)))
     count, limits = len(instants), np.array([drive.limit for drive in rig.drives])

@@ -1,10 +1,16 @@
 """Cranes with Gymnasium's `Env` and `VectorEnv` interfaces; see `flatrig.envs.crane.task`."""
 
+from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common import Ids
 from ..option_checks import check_task_options
 from ..task_env import TaskEnv
 from ..task_vector_env import TaskVectorEnv
+from .operated import crane_task
 from .task import CraneTask
 
 
@@ -14,11 +20,22 @@ class CraneEnv(TaskEnv[CraneTask]):
     `reset(options={"scenario": Scenario(...), "reference": ...})` prescribes what would be drawn.
     `info` tells the truth: "load", "reference", "tension", "input", "reward_terms", and in
     "reason" why the episode is over.
+
+    With reference="operator" actions are velocities of the load, see
+    `flatrig.envs.crane.operated`.
     """
 
     def __init__(self, rig: Any = None, *, render_mode: str | None = None, **options: Any) -> None:
         check_task_options(CraneTask, options)
-        super().__init__(CraneTask(rig, num=1, **options), render_mode)
+        super().__init__(crane_task(rig, 1, **options), render_mode)
+
+    def redirect(self, reference: object) -> None:
+        """Give the episode another reference from now on, see `CraneTask.redirect`."""
+        self.task.redirect([reference])
+
+    def lead(self, velocity: ArrayLike) -> None:
+        """Lead the load by a velocity in the next step, see `CraneTask.lead`."""
+        self.task.lead(np.asarray(velocity, float)[None])
 
 
 class CraneVectorEnv(TaskVectorEnv[CraneTask]):
@@ -33,4 +50,12 @@ class CraneVectorEnv(TaskVectorEnv[CraneTask]):
         self, rig: Any = None, *, num_envs: int = 1, render_mode: str | None = None, **options: Any
     ) -> None:
         check_task_options(CraneTask, options)
-        super().__init__(CraneTask(rig, num=num_envs, **options), render_mode)
+        super().__init__(crane_task(rig, num_envs, **options), render_mode)
+
+    def redirect(self, references: Sequence[object], ids: Ids | None = None) -> None:
+        """Give episodes other references from now on, see `CraneTask.redirect`."""
+        self.task.redirect(references, ids)
+
+    def lead(self, velocities: ArrayLike, ids: Ids | None = None) -> None:
+        """Lead loads by velocities in the next step, see `CraneTask.lead`."""
+        self.task.lead(velocities, ids)

@@ -73,6 +73,9 @@ class LoadSensors:
     def reset(self, ids: Ids, generators: Sequence[np.random.Generator], lengths: Steps) -> None:
         """Begin episodes of so many steps."""
 
+    def last(self, ids: Ids, lengths: Steps) -> None:
+        """Go on with episodes that are of so many steps now."""
+
     def step(self, steps: Steps) -> None:
         """Read the plants, which have come to these steps of their episodes."""
 
@@ -106,6 +109,8 @@ class SwaySensors(LoadSensors):
         self._period, self._outputs = period, outputs
         self._scale = np.append(DEFLECTION / levers, np.full(ropes, FORCE * weight))
         self._noise = np.zeros((num, 0, outputs + ropes))
+        self._own: dict[int, np.random.Generator] = {}
+        self._drawn = [0] * num
         self._every = np.arange(num)
         self._true = np.zeros((LATE + 1, num, outputs))  # the oldest first
         self._errors, self._smooth, self._rates = np.zeros((3, num, outputs))
@@ -133,15 +138,24 @@ class SwaySensors(LoadSensors):
 
     def reset(self, ids: Ids, generators: Sequence[np.random.Generator], lengths: Steps) -> None:
         """Draw the noise of episodes and read plants that were put at rest."""
-        room = int(lengths.max()) + 1
-        missing = room - self._noise.shape[1]
+        for sim, generator in zip(ids.tolist(), generators, strict=True):
+            self._own[sim], self._drawn[sim] = generator.spawn(1)[0], 0
+        self.last(ids, lengths)
+        for sim in ids.tolist():
+            self.rest(sim)
+
+    def last(self, ids: Ids, lengths: Steps) -> None:
+        """Draw what noise is missing for episodes of so many steps."""
+        missing = int(lengths.max()) + 1 - self._noise.shape[1]
         if missing > 0:
             self._noise = np.pad(self._noise, ((0, 0), (0, missing), (0, 0)))
-        for sim, generator in zip(ids.tolist(), generators, strict=True):
-            shape = lengths[sim] + 1, len(self._scale)
-            own = generator.spawn(1)[0]
-            self._noise[sim, : shape[0]] = own.standard_normal(shape) * self._scale
-            self.rest(sim)
+        for sim in ids.tolist():
+            drawn, length = self._drawn[sim], int(lengths[sim]) + 1
+            if length > drawn:
+                shape = length - drawn, len(self._scale)
+                noise = self._own[sim].standard_normal(shape) * self._scale
+                self._noise[sim, drawn:length] = noise
+                self._drawn[sim] = length
 
     def step(self, steps: Steps) -> None:
         """Read the plants, which have come to these steps of their episodes."""

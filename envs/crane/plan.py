@@ -2,10 +2,13 @@
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ... import feedforward
+from ...feedforward.exact.state import State
+from ...feedforward.paths.joined import Joined
 from ...feedforward.paths.reference import Reference
 from ...models.errors import OptionError
 from ...models.rig.rig import Rig
@@ -21,11 +24,47 @@ class CranePlan(Plan):
     start: dict[str, float]
     """Coordinates at rest at the start of the path [m, rad]."""
     reference: Reference
-    """The path."""
+    """The path of the whole episode."""
     period: float
     """Of control [s]."""
     course: dict[str, Array]
-    """Coordinates at every step until arrival [m, rad], (steps of the move + 1,) each."""
+    """Coordinates at every step from `since` until arrival [m, rad], (steps of the move + 1,)."""
+    begin: State | None = None
+    """Where the plan took over from another one, and how that moved."""
+    part: Reference | None = None
+    """What is followed from there on."""
+
+    def state(self, rig: Rig, step: int) -> State:
+        """How the rig moves at a step; its `time` is that of the path followed then.
+
+        Raises
+        ------
+        PathError
+            The rig cannot be there.
+        """
+        path = self.reference if self.part is None else self.part
+        time = self.period * (step - self.since)
+        return feedforward.solve(rig, path, time, begin=self.begin).at(time)
+
+    def inputs_with(self, rig: Rig, load_mass: float) -> Array:
+        """The feedforward if the rig's payloads had `load_mass` times their mass.
+
+        Returns
+        -------
+        Array
+            Inputs over the rig's limits from step `since` on, shape (rows, drives): for a
+            `load_mass` of 1 the plan's.
+
+        Raises
+        ------
+        PathError
+            The rig with such a load cannot follow the plan's path.
+        """
+        moving = _moving(self.reference, self.period, self.steps) - self.since
+        instants = self.period * (self.since + np.arange(moving) + 0.5)
+        inputs = feedforward.solve(reloaded(rig, load_mass), self.reference, instants).inputs
+        limits = np.array([drive.limit for drive in rig.drives])
+        return np.pad(inputs / limits, ((0, len(self.rows) - moving), (0, 0)), mode="edge")
 
 
 def layout_of(rig: Rig) -> Layout:
@@ -45,22 +84,63 @@ def make_plan(rig: Rig, reference: Reference, period: float, hold: float) -> Cra
     PathError, SmoothnessError
         The rig cannot follow the reference.
     """
+    return _plan(rig, reference, period, hold, None)
+
+
+def redirected(
+    rig: Rig, plan: CranePlan, step: int, state: State, reference: Reference, hold: float
+) -> CranePlan:
+    """The plan that leaves another one at a step for a reference, whose time 0 is then.
+
+    Parameters
+    ----------
+    rig, plan, step
+        What is left, and when.
+    state
+        How the rig moves there, see `CranePlan.state`.
+    reference
+        A path that starts like this.
+    hold
+        How long the episode lasts after arrival [s].
+
+    Raises
+    ------
+    OptionError, PathError, SmoothnessError
+        As `make_plan`, or the reference does not continue the plan.
+    """
+    return _plan(rig, reference, plan.period, hold, Leaving(plan, step, state))
+
+
+class Leaving(NamedTuple):
+    """Where a plan is left."""
+
+    plan: CranePlan
+    step: int
+    state: State
+
+
+def _plan(
+    rig: Rig, reference: Reference, period: float, hold: float, left: Leaving | None
+) -> CranePlan:
+    """A plan, from rest or from another one on."""
+    limits = np.array([drive.limit for drive in rig.drives])
+    begin, since = (None, 0) if left is None else (left.state, left.step)
     steps = max(1, round((reference.duration + hold) / period))
     instants = period * np.arange(steps + 1 + max(steps_ahead(period)))
     now, middles = instants[: steps + 1], instants[: steps + 1] + 0.5 * period
-    motion = feedforward.solve(rig, reference, np.concatenate((instants, middles)))
+    motion = feedforward.solve(rig, reference, np.concatenate((instants, middles)), begin=begin)
     if motion.slack:
         raise OptionError(f"an environment needs taut ropes, but {motion.slack[0]}")
-    limits = np.array([drive.limit for drive in rig.drives])
     _within_limits(rig, motion.inputs, limits)
 
     outputs, output_rates = reference.derivatives(now, 1)
     arrived = np.minimum(now / reference.duration, 1.0)[:, None]
-    first, last = _at_rest(rig, reference, limits)
+    first, last = _at_rest(rig, reference, limits, left)
     rows = layout_of(rig).table(
         period,
         motion.drive_positions[: len(instants)],
         motion.drive_velocities[: len(instants)],
+        since=since,
         outputs=outputs,
         output_rates=output_rates,
         feedforward=motion.inputs[len(instants) :] / limits,
@@ -68,29 +148,24 @@ def make_plan(rig: Rig, reference: Reference, period: float, hold: float) -> Cra
     )
     moving = motion.positions[: _moving(reference, period, steps)]
     course = dict(zip(motion.coordinate_names, moving.T.copy(), strict=True))
-    start = {name: float(values[0]) for name, values in course.items()}
     goal = motion.drive_positions[len(instants) - 1].copy()
-    return CranePlan(rows, first * limits, goal, last, start, reference, period, course)
+    if left is None:
+        start = {name: float(values[0]) for name, values in course.items()}
+        return CranePlan(rows, first * limits, goal, last, start, reference, period, course)
+    old = left.plan
+    whole = Joined(old.reference, since * period, reference)
+    return CranePlan(
+        rows, old.inputs, goal, last, old.start, whole, period, course, begin, reference,
+        since=since,
+    )  # fmt: skip
 
 
 def feedforward_with(rig: Rig, plan: CranePlan, load_mass: float) -> Array:
     """The feedforward of a plan if the rig's payloads had `load_mass` times their mass.
 
-    Returns
-    -------
-    Array
-        Inputs over the rig's limits, shape (steps + 1, drives): for a `load_mass` of 1 the plan's.
-
-    Raises
-    ------
-    PathError
-        The rig with such a load cannot follow the plan's path.
+    See `CranePlan.inputs_with`.
     """
-    moving = _moving(plan.reference, plan.period, plan.steps)
-    instants = plan.period * (np.arange(moving) + 0.5)
-    inputs = feedforward.solve(reloaded(rig, load_mass), plan.reference, instants).inputs
-    limits = np.array([drive.limit for drive in rig.drives])
-    return np.pad(inputs / limits, ((0, plan.steps + 1 - moving), (0, 0)), mode="edge")
+    return plan.inputs_with(rig, load_mass)
 
 
 def _moving(reference: Reference, period: float, steps: int) -> int:
@@ -98,10 +173,17 @@ def _moving(reference: Reference, period: float, steps: int) -> int:
     return min(steps, math.ceil(reference.duration / period)) + 1
 
 
-def _at_rest(rig: Rig, reference: Reference, limits: Array) -> tuple[Array, Array]:
+def _at_rest(
+    rig: Rig, reference: Reference, limits: Array, left: Leaving | None
+) -> tuple[Array, Array]:
     """Inputs over their limits that hold the rig at the path's start and at its goal."""
-    ends = feedforward.solve(rig, reference, [-1.0, reference.duration + 1.0])
-    return ends.inputs[0] / limits, ends.inputs[1] / limits
+    arrived = reference.duration + 1.0
+    if left is None:
+        ends = feedforward.solve(rig, reference, [-1.0, arrived])
+        return ends.inputs[0] / limits, ends.inputs[1] / limits
+    row = min(left.step, left.plan.known) - left.plan.since
+    now = left.plan.rows[row, layout_of(rig).columns["holding"]]
+    return now, feedforward.solve(rig, reference, arrived, begin=left.state).inputs[0] / limits
 
 
 def _within_limits(rig: Rig, inputs: Array, limits: Array) -> None:

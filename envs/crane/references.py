@@ -8,6 +8,7 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from ... import feedforward, models
+from ...feedforward.exact.state import State
 from ...feedforward.paths.reference import Reference
 from ...models.errors import FlatrigError, OptionError
 from ...models.rig.move import Move
@@ -32,6 +33,12 @@ the load to a narrow space, as a share of the box."""
 ON_EDGE = 0.7
 """How likely a value of an end on the box's edges is at an end of its range."""
 
+OPERATOR = "operator"
+"""The reference that follows from an operator's velocities."""
+
+SHIFT = 30.0
+"""How long an episode with an operator lasts before its hold [s]."""
+
 HEADROOM = 0.9
 """Share of the drives' limits that a drawn move may use: controllers need the rest."""
 
@@ -49,6 +56,18 @@ def as_reference(value: object) -> Reference:
     if not hasattr(value, "derivatives"):
         raise OptionError(f"reference is {shown(value)}, it must be a Reference or a Move")
     return cast("Reference", value)
+
+
+def continuing(value: object, state: State) -> Reference:
+    """A path that continues a motion: as it is, or made by a function of the motion's state.
+
+    Raises
+    ------
+    OptionError
+        It is neither.
+    """
+    made = value if hasattr(value, "derivatives") or not callable(value) else value(state)
+    return as_reference(made)
 
 
 def default_move(rig: Rig) -> Move:
@@ -184,12 +203,14 @@ class RandomMoves:
 class CranePlanner(Planner[CranePlan]):
     """Makes the plan of each episode; `move` is the rig's own, in place of the catalogue's."""
 
-    kinds = "a Reference, a Move"
+    kinds = 'a Reference, a Move, "operator"'
 
     def __init__(
         self, rig: Rig, option: ReferenceOption, period: float, hold: float, move: Move | None
     ) -> None:
         self._rig, self._move = rig, move
+        if isinstance(option, str) and option == OPERATOR:
+            option = feedforward.hold(as_profile(self.default()).start, SHIFT)
         super().__init__(option, period, hold)
 
     def default(self) -> Move:

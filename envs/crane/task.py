@@ -16,9 +16,10 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ... import models
+from ...models.errors import OptionError
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import Ids, none_of
@@ -27,12 +28,13 @@ from ..gains import Gains, Track
 from ..sensing import Observation
 from .along_plans import AlongPlans
 from .disturbances import Disturbances, Scenario
+from .lead import Line
 from .load_sensors import SWAY, LoadSensors, SwaySensors
 from .observation import observation_of
 from .outputs import levers
-from .plan import CranePlan, layout_of
+from .plan import CranePlan, layout_of, redirected
 from .plant import Plant
-from .references import CranePlanner, ReferenceOption, rig_and_move
+from .references import CranePlanner, ReferenceOption, continuing, rig_and_move
 from .tuning import gains_along, gains_of
 
 
@@ -45,7 +47,8 @@ class CraneTask(Task[CranePlan, Scenario]):
         The description, the name of a rig of the catalogue, or the path of a TOML file.
     reference
         A `Reference` or a `Move` for all episodes; a function that draws one from a random
-        generator; "random" for moves between random points; None for the catalogue's or the file's.
+        generator; "random" for moves between random points; "operator" for what the actions say,
+        see `flatrig.envs.crane.lead`; None for the catalogue's or the file's.
     num
         Number of simulations n.
     sensors
@@ -111,6 +114,7 @@ class CraneTask(Task[CranePlan, Scenario]):
             nthread=nthread,
         )
         self.scales = self.plant.geometry.scales
+        self._lines: dict[int, Line] = {}
         self._start(layout_of(self.rig), levers(self.rig, self.scales), self.scales.length)
 
     @property
@@ -127,8 +131,83 @@ class CraneTask(Task[CranePlan, Scenario]):
     ) -> None:
         """Begin new episodes in some simulations, see `flatrig.envs.episodes.Task.reset`."""
         super().reset(ids, generators, scenarios, references)
+        for sim in ids.tolist():
+            self._lines.pop(sim, None)
         if self.loads is not None:
             self.loads.reset(ids, generators, self.rows.length)
+
+    def redirect(self, references: Sequence[object], ids: Ids | None = None) -> None:
+        """Give simulations whose episodes run another reference, from the present step on.
+
+        Parameters
+        ----------
+        references
+            For each a path whose time 0 is now and which continues how the plan moves, or a
+            function that makes one of the `State` in which that is::
+
+                lambda state: feedforward.connected(state.derivatives, goal, duration)
+
+        ids
+            Of the simulations, sorted; None for all.
+
+        The episode then lasts until the `hold` after the new arrival.  An observation from before
+        does not know of it, `observation` does.
+
+        Raises
+        ------
+        OptionError
+            No episode has begun, a reference is none, or it asks for more than drives or ropes can
+            give; then nothing has changed.
+        PathError, SmoothnessError
+            A reference cannot be followed, or does not continue the plan.
+        """
+        ids = self.all if ids is None else ids
+        self._require_begun(ids)
+        plans = []
+        for sim, reference in zip(ids.tolist(), references, strict=True):
+            plan, step = self.plans[sim], int(self.steps[sim])
+            state = plan.state(self.rig, step)
+            path = continuing(reference, state)
+            plans.append(redirected(self.rig, plan, step, state, path, self.planner.hold))
+        for sim in ids.tolist():
+            self._lines.pop(sim, None)
+        self._take_over(ids, plans)
+        if self.loads is not None:
+            self.loads.last(ids, self.rows.length)
+
+    def lead(self, velocities: ArrayLike, ids: Ids | None = None) -> None:
+        """Lead simulations whose episodes run by velocities of their outputs, in the next step.
+
+        The first time a simulation leaves its plan.  A step in which it is not led stops it, and
+        the episode ends when it would have.
+
+        Parameters
+        ----------
+        velocities
+            What the outputs are to do, (len(ids), outputs) [m/s, rad/s]; as much of it is let
+            through as the crane can be stopped from, see `flatrig.feedforward.Stream`.
+        ids
+            Of the simulations, sorted; None for all.
+
+        Raises
+        ------
+        OptionError
+            No episode has begun, or one was led already in this step.
+        PathError
+            Velocities are not as many finite numbers, or a crane cannot come to rest from where
+            its plan is.
+        """
+        ids = self.all if ids is None else ids
+        self._require_begun(ids)
+        plans: list[CranePlan] = []
+        for sim, velocity in zip(ids.tolist(), np.asarray(velocities, float), strict=True):
+            step = int(self.steps[sim])
+            line = self._lines.get(sim) or Line(self.rig, self.plans[sim], step)
+            if line.step != step:
+                raise OptionError(f"simulation {sim} was led in this step already; call step first")
+            plans.append(line.tick(velocity))
+            self._lines[sim] = line
+        self._take_over(ids, plans)
 
     def gains(self, track: Track = "moving") -> Gains:
         """Gains of a PD controller, see `flatrig.envs.crane.tuning`."""
@@ -160,6 +239,9 @@ class CraneTask(Task[CranePlan, Scenario]):
         return LoadSensors(self.plant, self.rows) if self.sensors == "full" else None
 
     def _advance(self, actions: Array, ids: Ids | None) -> Array:
+        for sim in (self.all if ids is None else ids).tolist() if self._lines else ():
+            if sim in self._lines and self._lines[sim].step == self.steps[sim]:
+                self.lead(np.zeros((1, len(self.rig.outputs))), self.all[sim : sim + 1])
         reward = super()._advance(actions, ids)
         if self.loads is not None:
             self.loads.step(self.steps)

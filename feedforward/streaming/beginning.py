@@ -1,4 +1,4 @@
-"""Where a stream starts, and whether its options can be."""
+"""Where a stream starts, and whether its options and commands can be."""
 
 import math
 
@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike
 
 from ...models.errors import OptionError, PathError, RigError
 from ...models.rig.rig import Rig
-from ...models.values import as_number, shown
+from ...models.types import Array
+from ...models.values import as_number, reals, shown
 from ..exact.state import State
 from ..paths.straight import hold
 from ..solving.inverse import solve
@@ -36,6 +37,26 @@ def begin_of(rig: Rig, start: ArrayLike | State) -> State:
             f"({slack.lowest:.4g} N)"
         )
     return motion.at(0.0)
+
+
+def velocity_of(rig: Rig, velocity: ArrayLike) -> Array:
+    """A velocity of the outputs, shape (outputs,).
+
+    Raises
+    ------
+    PathError
+        It is not as many finite numbers.
+    """
+    values = reals("velocity", velocity, error=PathError)
+    names = rig.outputs
+    if values.shape != (len(names),):
+        raise PathError(
+            f"velocity has shape {values.shape}, rig {rig.name} needs {len(names)} "
+            f"numbers: {', '.join(names)}"
+        )
+    for i in np.flatnonzero(~np.isfinite(values))[:1]:
+        raise PathError(f"velocity of {names[i]} is {values[i]}, it must be finite")
+    return values
 
 
 def between(name: str, value: object, low: float, high: float, unit: str) -> float:

@@ -74,6 +74,11 @@ class CommandFilter:
             lags += 1
         return lags * self.lag
 
+    @cached_property
+    def rested(self) -> float:
+        """Time [s] after a command's end at which what is left is rounding."""
+        return self.resting()
+
     def advanced(self, states: Array, times: Array) -> Array:
         """States (N, n+2, size) after times (N,) [s] while their commands are held.
 

@@ -44,3 +44,12 @@ class Commanded(ReferencePath):
         result[:, over] = 0.0
         result[0, over] = self.filter.rest(self.states[-1])
         return np.asarray(result)
+
+
+def stop_from(filter: CommandFilter, state: Array, held: float) -> Commanded:
+    """The path from a state on, whose command ends after some time [s]; its time 0 is now."""
+    if not held:
+        return Commanded(filter, np.zeros(1), (filter.released @ state)[None], filter.rested)
+    stop = filter.released @ filter.step(held) @ state
+    knots, states = np.array([0.0, held]), np.array([state, stop])
+    return Commanded(filter, knots, states, held + filter.rested)

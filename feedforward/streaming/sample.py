@@ -36,6 +36,29 @@ class Sample:
     """Their second derivatives, shape (coordinates,)."""
 
 
+@dataclass(frozen=True, eq=False)
+class Ahead:
+    """What would follow from a stop, at N instants."""
+
+    times: Array
+    """After now [s], shape (N,)."""
+    derivatives: Array
+    """Outputs and their derivatives, shape (order+1, N, outputs)."""
+    inputs: Array
+    """At these instants [N] or [N m], shape (N, inputs)."""
+    positions: Array
+    """Coordinates [m] or [rad], shape (N, coordinates)."""
+    velocities: Array
+    """Their rates, shape (N, coordinates)."""
+
+
+def ahead_of(times: Array, taylor: Array, found: Evaluated) -> Ahead:
+    """What follows at some times (N,), from Taylor coefficients (orders, N, outputs)."""
+    positions, velocities = (rows.T.copy() for rows in found.rows[:2])
+    derivatives = taylor * factorials(len(taylor))[:, None, None]
+    return Ahead(times, derivatives, found.inputs.T.copy(), positions, velocities)
+
+
 def sample_of(
     rig: Rig,
     names: tuple[str, ...],

@@ -26,23 +26,22 @@ import copy
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...models.errors import PathError
 from ...models.rig.rig import Rig
 from ...models.types import Array
-from ...models.values import reals
 from ..exact.naming import coordinate_names
 from ..exact.problem import problem_of
 from ..exact.refusal import failure
 from ..exact.state import State
+from ..paths.reference import taylor_of
 from ..series.products import factorials
-from .beginning import begin_of, between
+from .beginning import begin_of, between, velocity_of
 from .bounds import Bounds
 from .command_filter import CommandFilter
 from .evaluation import Evaluated, Evaluator
 from .governor import Governor
 from .prediction import Prediction, of_stops
-from .record import Commanded
-from .sample import Sample, sample_of
+from .record import Commanded, stop_from
+from .sample import Ahead, Sample, ahead_of, sample_of
 
 GOVERNED = 100.0
 """Decisions per second, at most [Hz]: faster ticks hold a command in between."""
@@ -173,7 +172,7 @@ class Stream:
             The velocity is not as many finite numbers as there are outputs; or the rig cannot
             follow even a stop, in which case the stream is as it was before.
         """
-        wanted = self._checked(velocity)
+        wanted = velocity_of(self.rig, velocity)
         decision = None
         if self._ticks % self._every == 0:
             near = self._guess(self._governor.prediction.offsets)
@@ -238,8 +237,25 @@ class Stream:
             filter=self._filter,
             knots=np.array([tick / self.rate for tick, _ in knots]),
             states=np.array([state for _, state in knots]),
-            duration=self.time + self._filter.resting(),
+            duration=self.time + self._filter.rested,
         )
+
+    def ahead(self, times: ArrayLike) -> Ahead:
+        """The stop that would follow, at some times after now (N,) [s].
+
+        Raises
+        ------
+        PathError
+            There is no solution at one of them.
+        """
+        after = np.asarray(times, dtype=float)
+        held = (-self._ticks % self._every) / self.rate
+        taylor = taylor_of(stop_from(self._filter, self._state, held), after, self._problem.order)
+        near = self._guess(after)
+        found = self._evaluator(taylor, near)
+        if not found.solved.all():
+            found = self._expanded(taylor, near, self.time + after)
+        return ahead_of(after, taylor, found)
 
     def copy(self) -> "Stream":
         """A stream that goes on from here by itself."""
@@ -256,18 +272,6 @@ class Stream:
         share = (at - known[below]) / (known[below + 1] - known[below])
         left, right = self._near[:, below], self._near[:, below + 1]
         return np.asarray(left + share * (right - left))
-
-    def _checked(self, velocity: ArrayLike) -> Array:
-        values = reals("velocity", velocity, error=PathError)
-        names = self.rig.outputs
-        if values.shape != (len(names),):
-            raise PathError(
-                f"velocity has shape {values.shape}, rig {self.rig.name} needs {len(names)} "
-                f"numbers: {', '.join(names)}"
-            )
-        for i in np.flatnonzero(~np.isfinite(values))[:1]:
-            raise PathError(f"velocity of {names[i]} is {values[i]}, it must be finite")
-        return values
 
     def _expanded(self, taylor: Array, near: Array, times: Array) -> Evaluated:
         """The rig at some instants, step by step of the expansion.
