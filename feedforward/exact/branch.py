@@ -19,6 +19,7 @@ from ...models.types import Array
 from ..paths.consistency import accept_rest, verify_reference
 from ..paths.reference import Reference, taylor_of
 from ..series.products import factorials
+from .between import look_between
 from .equations import Equations
 from .home import approach, home_unknowns
 from .problem import Problem
@@ -145,6 +146,7 @@ def branch_of(
     times, solution = _follow(problem, reference, outset)
     path = solution.values
     stay_on_rails(problem.rig, equations.names, path, times)
+    look_between(problem, reference, outset.signs, times, solution)
     rates = np.gradient(path, times[1], axis=1)
     for j, coefficients in enumerate(solution.series):
         if len(coefficients) > 1:

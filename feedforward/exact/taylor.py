@@ -16,7 +16,7 @@ a place, and the limit is followed by steps of least norm from the guess.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -44,6 +44,8 @@ class Solution:
     that the reference gives or that place a pulley without mass have none."""
     straight: Mask
     """Where a pulley without mass hangs straight and its place is undetermined, shape (N,)."""
+    determinants: dict[int, Array] = field(default_factory=dict)
+    """Of the same blocks as the signs, as a share of the largest possible value, shape (N,)."""
 
     @property
     def solved(self) -> Mask:
@@ -91,6 +93,7 @@ def expand(
     zero = np.zeros(reference.shape[1])
     series: Series = [[] for _ in guess]
     signs: dict[int, Array] = {}
+    shares: dict[int, Array] = {}
     straight = np.zeros(len(zero), dtype=bool)
     with np.errstate(all="ignore"):  # what fails is found by its value
         for step in steps:
@@ -103,12 +106,12 @@ def expand(
             side = sides.get(step.block) if sides else None
             determinant, matrix = _solve(step, series, reference, guess, follow, side)
             if step.loose:
-                straight |= _sign(determinant, matrix) == 0
+                straight |= _sign(_share(determinant, matrix)) == 0
             elif step.block not in signs:
-                sign = _sign(determinant, matrix)
-                same = sign.shape == zero.shape
-                signs[step.block] = sign if same else np.broadcast_to(sign, zero.shape)
-    return Solution(series, signs, straight)
+                share = _share(determinant, matrix)
+                shares[step.block] = np.broadcast_to(share, zero.shape)
+                signs[step.block] = np.broadcast_to(_sign(share), zero.shape)
+    return Solution(series, signs, straight, shares)
 
 
 def _solve(
@@ -129,8 +132,8 @@ def _solve(
     return determinant, matrix
 
 
-def _sign(determinant: Array, matrix: Array | None) -> Array:
-    """Sign of the determinants (N,) of a block, 0 where it is singular to rounding.
+def _share(determinant: Array, matrix: Array | None) -> Array:
+    """Determinants (N,) of a block over their largest possible value.
 
     A matrix (k, k, N) is measured by the product of its columns' sizes and of its rows' after
     division by them, whatever the units of unknowns and equations; a scalar, which has no size of
@@ -138,13 +141,17 @@ def _sign(determinant: Array, matrix: Array | None) -> Array:
     """
     if matrix is None:
         finite = np.abs(determinant[np.isfinite(determinant)])
-        bound = finite.max(initial=0.0)
-    else:
-        size = np.abs(matrix)
-        columns = size.max(axis=0)
-        bound = np.prod(columns, axis=0) * np.prod((size / columns).max(axis=1), axis=0)
-    regular = np.isfinite(determinant) & (np.abs(determinant) > SINGULAR * bound)
-    return np.where(regular, np.sign(determinant), 0.0)
+        return np.asarray(determinant / finite.max(initial=np.finfo(float).tiny))
+    size = np.abs(matrix)
+    columns = size.max(axis=0)
+    bound = np.prod(columns, axis=0) * np.prod((size / columns).max(axis=1), axis=0)
+    return np.asarray(determinant / bound)
+
+
+def _sign(share: Array) -> Array:
+    """Sign of determinants' shares (N,), 0 where they are singular to rounding."""
+    regular = np.isfinite(share) & (np.abs(share) > SINGULAR)
+    return np.where(regular, np.sign(share), 0.0)
 
 
 def _linear(step: Step, series: Series, reference: Array) -> tuple[Array, Array, Array]:
