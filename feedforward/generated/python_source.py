@@ -140,12 +140,7 @@ class _Printer:
         ))  # fmt: skip
         if len(texts) == 1:
             return texts[0]
-        if self.scalar:
-            return f"max({', '.join(texts)})"
-        whole = texts[0]
-        for other in texts[1:]:
-            whole = f"maximum({whole}, {other})"
-        return whole
+        return self._most(texts)
 
     def _sides(self) -> Iterator[str]:
         """Checks of the scalar blocks' sides; what counts as zero depends on the whole path."""
@@ -195,24 +190,33 @@ class _Printer:
                 yield f"{name} = {text_of(value)}"
 
     def _regular(self, operation: Regular) -> Iterator[str]:
-        """A check on the safe side: see `exact.taylor`, of a loose block `exact.linear`.
-
-        The product of the columns' sizes is as large as the bound there, or larger.
-        """
+        """See `exact.taylor`, of a loose block `exact.linear`."""
         matrix, determinant = operation.matrix, text_of(operation.determinant)
         if operation.loose:
-            lines, least, left = matrix, WEAK, f"abs({determinant})"
+            sizes = [self.largest(filter(None, row)) for row in matrix]
+            yield self.require(f"abs({determinant}) > {'*'.join([number(WEAK), *sizes])}")
+            return
+        left = f"{determinant}*{self.sides[operation.block]}"
+        columns = [self.largest(filter(None, column)) for column in zip(*matrix, strict=True)]
+        whole = "*".join([number(SINGULAR), *columns])
+        # The product of the columns' sizes is the larger bound, and mostly enough.
+        shares = [
+            self._most([f"abs({text_of(v)})/{columns[j]}" for j, v in enumerate(row) if v])
+            for row in matrix
+        ]
+        bound = f"{whole}*{'*'.join(shares)}"
+        if self.scalar:
+            yield self.require(f"({left} > {whole} or {left} > {bound})")
         else:
-            lines, least = tuple(zip(*matrix, strict=True)), SINGULAR
-            left = f"{determinant}*{self.sides[operation.block]}"
-        sizes = []
-        for line in lines:
-            present = [value for value in line if value]
-            if all(isinstance(value, float) for value in present):
-                least *= max(abs(float(value)) for value in present)
-            else:
-                sizes.append(self.largest(present))
-        yield self.require(f"{left} > {'*'.join([number(least), *sizes])}")
+            yield f"regular = {left} > {whole}"
+            yield f"if not regular.all(): regular |= {left} > {bound}"
+            yield "good &= regular"
+
+    def _most(self, texts: list[str]) -> str:
+        whole = texts[0]
+        for other in texts[1:]:
+            whole = f"maximum({whole}, {other})"
+        return f"max({', '.join(texts)})" if self.scalar and len(texts) > 1 else whole
 
     def _newton(self, operation: Newton) -> Iterator[str]:
         names, changes = operation.names, operation.changes
