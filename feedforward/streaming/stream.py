@@ -26,6 +26,7 @@ import copy
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...models.errors import PathError
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..exact.naming import coordinate_names
@@ -80,8 +81,8 @@ class Stream:
     RigError
         The rig is not flat, or the state is another rig's.
     SmoothnessError, PathError
-        The rig cannot be at the start, or has a rope there that would have to push, or no way to
-        stop from it.
+        The rig cannot be at the start, or has a rope there that would have to push, or a pulley
+        without mass that hangs straight (Y 6.1.1), or no way to stop from it.
     OptionError
         A number is out of range.
     """
@@ -136,6 +137,12 @@ class Stream:
         error = failure(self._problem, solution, signs, prediction.offsets, taylor[0])
         if error is not None:
             raise error
+        if solution.straight[0]:
+            raise PathError(
+                f"rig {self.rig.name}: a pulley without mass hangs straight below its winch at the "
+                "start, and nothing says to which side it leaves; start where it hangs aside, or "
+                "give it a mass"
+            )
         return self._evaluator.named(taylor, solution, start).near
 
     @property

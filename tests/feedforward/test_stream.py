@@ -181,6 +181,15 @@ def test_stream_without_commands_rests():
     assert_allclose(stream.reference.goal, start)
 
 
+def test_pulley_without_mass_has_to_hang_aside():
+    rig = models.navy_crane_2d(pulley_mass=0)
+    move = models.default_move(rig)
+    stream = Stream(rig, move.goal, rate=20.0)
+    agree(stream, driven(stream, commands(rig, 20)))
+    with pytest.raises(PathError, match="hangs straight below its winch at the start"):
+        Stream(rig, move.start)
+
+
 @pytest.mark.parametrize(
     ("wrong", "error", "line"),
     [
