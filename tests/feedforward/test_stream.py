@@ -7,8 +7,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from flatrig import models
-from flatrig.feedforward import Stream, analyse, connected, from_move, solve
+from flatrig.feedforward import Commanded, Stream, analyse, connected, from_move, solve
+from flatrig.feedforward.exact.problem import problem_of
+from flatrig.feedforward.series.products import factorials
 from flatrig.feedforward.streaming.command_filter import CommandFilter
+from flatrig.feedforward.streaming.prediction import of_stops
 from flatrig.models import OptionError, PathError, RigError
 
 OWN = Path(__file__).parents[2] / "docs" / "how-to"
@@ -61,6 +64,22 @@ def test_filter_is_its_differential_equation(order):
     stop = filter.step(filter.resting()) @ filter.state_of(derivatives)
     assert_allclose(stop[0], filter.rest(state), rtol=1e-12)
     assert np.abs(stop[1:]).max() < 1e-12
+
+
+def test_what_is_foreseen_of_a_command_is_its_moment_and_a_stop():
+    """By matrix exponentials there, in closed form here."""
+    filter, moment = CommandFilter(0.4, 4), 0.01
+    prediction = of_stops(problem_of(models.rotary_crane()), filter, moment, moment)
+    state = np.random.default_rng(0).normal(size=(6, 3))
+    command = np.array([1.0, -2.0, 0.5])
+    foreseen = prediction.taylor(state, command[None])[:, 0] * factorials(5)[:, None, None]
+    held, stop = state.copy(), (filter.step(moment) @ np.vstack((state[:-1], command)))
+    held[-1], stop[-1] = command, 0.0
+    states, knots = np.array([held, stop]), np.array([0.0, moment])
+    path = Commanded(filter, knots, states, 60.0)
+    truth = path.derivatives(prediction.offsets, 4)
+    sizes = np.abs(truth).max(axis=1, keepdims=True)
+    assert_allclose(foreseen / sizes, truth / sizes, rtol=0, atol=1e-11)
 
 
 @pytest.mark.parametrize("name", models.CATALOGUE)
