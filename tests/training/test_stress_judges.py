@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from flatrig import feedforward, models
-from flatrig.feedforward.exact import assembly, branch, home, problem, taylor
+from flatrig.feedforward.exact import assembly, between, branch, home, problem, taylor
 from flatrig.feedforward.generated import results
 from flatrig.feedforward.paths import reference as paths
 from flatrig.feedforward.planning import feasibility
@@ -74,7 +74,7 @@ FAULTS = {
     "where a sheave turns": [
         (Rope, "after", lambda rope, sheave: rope.path.index(sheave.at, 1) - 1)
     ],
-    "rail ends": [(inverse, "stay_on_rails", none_said), (branch, "stay_on_rails", none_said)],
+    "rail ends": [(room, "stay_on_rails", none_said) for room in (inverse, branch, between)],
     "rail ends in check": [(feasibility, "_off_rails", lambda motion: [])],
     "refusals": [(taylor, "SINGULAR", 0.9)],
 }
