@@ -11,7 +11,7 @@ from flatrig.feedforward.exact import assembly, between, branch, home, problem, 
 from flatrig.feedforward.generated import results
 from flatrig.feedforward.paths import reference as paths
 from flatrig.feedforward.planning import feasibility
-from flatrig.feedforward.solving import inverse
+from flatrig.feedforward.solving import inverse, programs
 from flatrig.models.rig.parts import Rope
 from flatrig.training.simulate.open_loop import open_loop
 from flatrig.training.stress import rates
@@ -54,7 +54,7 @@ def none_said(*_):
 
 
 FAULTS = {
-    "a factorial": [(paths, "factorials", wrong_factorials)],
+    "a factorial": [(room, "factorials", wrong_factorials) for room in (paths, programs)],
     "a winch's inertia": [
         (
             Rope,
