@@ -51,7 +51,11 @@ class Course:
     @property
     def outputs(self) -> Array:
         """The rig's outputs, shape (S, N, outputs)."""
-        return np.stack([self.values[name] for name in self.rig.outputs], axis=-1)
+        columns = [
+            np.sum([factor * self.values[name] for factor, name in terms], axis=0)
+            for terms in map(self.rig.terms, self.rig.outputs)
+        ]
+        return np.stack(columns, axis=-1)
 
 
 def closed_loop(
