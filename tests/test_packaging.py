@@ -14,7 +14,13 @@ ROOT = Path(__file__).resolve().parents[1]
 
 # Folders at the top that hold Python files or build output and do not ship.
 NOT_SHIPPED = {"build", "dist", "docs", "results", "runs", "tests"}
-DATA = ("models/*.xml", "models/*.toml", "training/policies/*", "training/baselines/*")
+DATA = (
+    "models/*.xml",
+    "models/*.toml",
+    "training/policies/*",
+    "training/baselines/*",
+    *(f"training/drive/*.{ending}" for ending in ("css", "html", "js")),
+)
 
 
 def package_folders() -> Iterator[Path]:

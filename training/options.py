@@ -272,6 +272,27 @@ class Render(RigOptions):
     """Film it even if the rig cannot make the move: there, ropes push and drives have no limits."""
 
 
+@command(crane=".drive.drive_cranes:main")
+class Drive(RigOptions):
+    """Drive the crane by hand, live in a page of a browser, by the velocity of its load."""
+
+    port: int = 8420
+    """Port of the page; 0 for any that is free."""
+    host: str = "127.0.0.1"
+    """Address to listen on.  Only this machine reaches the default; whoever reaches another one
+    can drive, since there is no password."""
+    open: bool = False
+    """Open the page in a browser here."""
+    duration: float | None = None
+    """End after so long [s]; never if left out."""
+    idle: float = 600.0
+    """End when no page has been open for so long [s]; never if 0."""
+    policy: str = ""
+    """Policy to use as residual (.json); the shipped one if left out."""
+    output: Output = ""
+    """Folder for recordings; results/drive-RIG if left out."""
+
+
 @command(".describe.film:write_scenes")
 class Scenes:
     """Write the MuJoCo scenes of the catalogue as XML."""

@@ -5,6 +5,8 @@ are held over a control period of several substeps, and everything that is read 
 to the new state under the inputs still held.
 """
 
+from collections.abc import Sequence
+
 import mujoco
 import numpy as np
 
@@ -95,6 +97,17 @@ class Plant(Simulations[CranePlan, Scenario]):
         """Whether every simulation can go on."""
         worst = self.margins.argmin()  # the first that is not a number, if there is one
         return bool(self.margins.item(worst) > 0)
+
+    def change(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
+        """Go on with other masses, friction and wind, from where simulations are."""
+        for sim, scenario in zip(ids.tolist(), scenarios, strict=True):
+            self._disturb(sim, scenario)
+            scenario.disturb(self, sim)
+        if self._masses is not None:
+            self.batch.set_const(ids)
+        self._forget(ids)
+        self.batch.forward(ids, self.stage)
+        self._read()
 
     def at_rest(self, plan: CranePlan) -> Array:
         """Joints (nq,) where a plan begins."""

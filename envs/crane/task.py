@@ -209,6 +209,31 @@ class CraneTask(Task[CranePlan, Scenario]):
             self._lines[sim] = line
         self._take_over(ids, plans)
 
+    def disturb(self, scenarios: Sequence[Scenario], ids: Ids | None = None) -> None:
+        """Let simulations whose episodes run go on as other plants.
+
+        Parameters
+        ----------
+        scenarios
+            For each, of which masses, friction and wind count: what else is drawn at the start of
+            an episode stays.
+        ids
+            Of the simulations, sorted; None for all.
+
+        Raises
+        ------
+        OptionError
+            No episode has begun, or a scenario is none, or has friction that the task was made
+            without; then nothing has changed.
+        """
+        ids = self.all if ids is None else ids
+        self._require_begun(ids)
+        for scenario in scenarios:
+            self.disturbances.check(scenario)
+        for sim, scenario in zip(ids.tolist(), scenarios, strict=True):
+            self.scenarios[sim] = scenario
+        self.plant.change(ids, scenarios)
+
     def gains(self, track: Track = "moving") -> Gains:
         """Gains of a PD controller, see `flatrig.envs.crane.tuning`."""
         gains = gains_of(self.plant, track)

@@ -58,29 +58,29 @@ def test_an_operator_leads_the_load(name):
     start = task.rows.parts["outputs"][0].copy()
     way = np.sign(np.subtract(models.default_move(task.rig).goal, start))
     rows = []
-    for _ in range(40):
+    for _ in range(50):
         info, error = goes_on(env, 1, 0.3 * way)
         assert error < 1e-3
         rows.append({part: values[0].copy() for part, values in task.rows.parts.items()})
     gone = (info["load"] - start) * way
-    assert np.linalg.norm(gone) > 2e-3
+    assert np.linalg.norm(gone) > 1e-3
     assert (gone[way != 0] > 0).any()
     # The second road: the whole path that was commanded, solved at once from the rig's home.
     last = task.plans[0]
-    times = task.period * np.arange(1, 41 + max(steps_ahead(task.period)))
+    times = task.period * np.arange(1, 51 + max(steps_ahead(task.period)))
     motion = feedforward.solve(task.rig, last.reference, times)
     drives = motion.drive_positions.shape[1]
-    for k in (0, 17, 39):
+    for k in (0, 17, 49):
         assert rows[k]["outputs"] == pytest.approx(motion.outputs[k], abs=1e-9)
         assert rows[k]["drives"][:drives] == pytest.approx(motion.drive_positions[k], abs=1e-9)
         assert rows[k]["drives"][drives:] == pytest.approx(motion.drive_velocities[k], abs=1e-8)
         assert rows[k]["left"] == pytest.approx(1.0 - (k + 1) / last.steps)
     # What is seen ahead of the last step is the stop that would follow.
-    ahead = [motion.drive_positions[39 + step] for step in steps_ahead(task.period)]
-    expected = np.concatenate(ahead) - np.tile(motion.drive_positions[39], len(ahead))
-    assert rows[39]["preview"] == pytest.approx(expected, abs=1e-9)
-    middle = feedforward.solve(task.rig, last.reference, times[39] + 0.5 * task.period)
-    assert rows[39]["feedforward"] * task.limits == pytest.approx(
+    ahead = [motion.drive_positions[49 + step] for step in steps_ahead(task.period)]
+    expected = np.concatenate(ahead) - np.tile(motion.drive_positions[49], len(ahead))
+    assert rows[49]["preview"] == pytest.approx(expected, abs=1e-9)
+    middle = feedforward.solve(task.rig, last.reference, times[49] + 0.5 * task.period)
+    assert rows[49]["feedforward"] * task.limits == pytest.approx(
         middle.inputs[0], abs=1e-8 * np.abs(middle.inputs).max()
     )
 
@@ -138,9 +138,9 @@ def test_specs_with_an_operator_can_be_saved():
 def test_an_operator_leads_a_rig_of_ones_own():
     env = make(envs.OWN, rig=str(WORKSHOP), reference="operator")
     env.reset(seed=0)
-    info, error = goes_on(env, 60, np.array([0.2, 0.0, 0.1]))
+    info, error = goes_on(env, 80, np.array([0.2, 0.0, 0.1]))
     assert error < 1e-3
-    assert info["load"][0] > env.unwrapped.task.plans[0].start["load.x"] + 0.03
+    assert info["load"][0] > env.unwrapped.task.plans[0].start["load.x"] + 0.02
 
 
 def test_a_goal_can_change_on_the_way():
@@ -181,7 +181,8 @@ def test_an_emergency_stop_stays_on_the_way():
 
 def test_goals_change_again_and_operators_come_and_go():
     """From a move to a velocity, to a new goal, and to a velocity again, without a jump."""
-    env = with_feedback(hold=2.0)
+    slowly = feedforward.rest_to_rest((0.0, -4.0), (5.0, -1.0), 8.0)
+    env = with_feedback(reference=slowly, hold=2.0)
     task = env.unwrapped.task
     env.reset(seed=0)
     goes_on(env, 50)
@@ -289,3 +290,31 @@ def test_what_cannot_be_is_refused_in_one_line():
         operated.step([0.0, np.nan])
     with pytest.raises(models.OptionError, match="shape"):
         operated.step([0.0])
+
+
+@pytest.mark.parametrize("name", [OVERHEAD, "flatrig/CableManipulator-v0"])
+def test_the_plant_of_an_episode_that_runs_can_change(name):
+    """Changed at once it is the plant that was made so; and others stay what they are."""
+    other = envs.Scenario(load_mass=1.2, wind=30.0, trolley_viscous=5.0)
+    made, changed = (
+        envs.Feedforward(envs.PD(gym.make_vec(name, num_envs=2, sensors="full"))) for _ in range(2)
+    )
+    made.reset(seed=0, options={"scenarios": [envs.Scenario(), other]})
+    changed.reset(seed=0, options={"scenarios": [envs.Scenario(), envs.Scenario()]})
+    task = changed.unwrapped.task
+    joints = task.plant.qpos.copy()
+    task.disturb([other], np.array([1], dtype=np.int32))
+    assert np.array_equal(task.plant.qpos, joints)
+    assert task.scenarios == [envs.Scenario(), other]
+    actions = np.zeros(made.action_space.shape)
+    for _ in range(10):
+        one, two = made.step(actions), changed.step(actions)
+        assert np.array_equal(one[0][0], two[0][0])
+        assert one[0][1] == pytest.approx(two[0][1], abs=1e-12)
+    before = task.plant.tensions.sum(axis=1)
+    task.disturb([other, envs.Scenario()])
+    assert task.plant.tensions[0].sum() > before[0]
+    assert task.plant.tensions[1].sum() < before[1]
+    with pytest.raises(models.OptionError, match="friction"):
+        task.disturb([envs.Scenario(winch_friction=5.0)] * 2)
+    assert task.scenarios == [other, envs.Scenario()]
