@@ -11,10 +11,13 @@ from gymnasium.utils.env_checker import check_env
 import flatrig.envs as envs
 from flatrig import feedforward, models
 from flatrig.envs.crane.payloads import reloaded
+from flatrig.envs.crane.plan import make_plan
+from flatrig.envs.crane.tuning import gains_along
 from flatrig.envs.plans import steps_ahead
 
 NAMES = list(envs.ENVIRONMENTS)
 OVERHEAD, ROTARY = "flatrig/OverheadCrane-v0", "flatrig/RotaryCrane-v0"
+CABLEV = "flatrig/CableManipulator-v0"
 WORKSHOP = Path(__file__).parents[2] / "docs/how-to/workshop_crane.toml"
 
 
@@ -39,7 +42,7 @@ def goes_on(env, steps, action=None):
     return info, most
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [OVERHEAD, ROTARY, CABLEV])
 def test_gymnasium_finds_nothing_wrong_with_an_operator(name):
     env = make(name, reference="operator", disturbances="standard", sensors="full")
     rig = env.unwrapped.task.rig
@@ -97,7 +100,7 @@ def test_single_and_vector_agree_to_the_last_bit_with_an_operator(name):
     for index, single in enumerate(singles):
         assert np.array_equal(single.reset(seed=5 + index)[0], observations[index])
     over = np.zeros(count, dtype=bool)
-    for k in range(30):
+    for k in range(20):
         if k == 10:  # one simulation is lost, and its episode over
             for task, sim in ((vector.unwrapped.task, 1), (singles[1].unwrapped.task, 0)):
                 task.plant.qvel[sim] = np.nan
@@ -165,6 +168,26 @@ def test_a_goal_can_change_on_the_way():
     assert error < 1e-3
     assert info["load"] == pytest.approx(goal, abs=1e-3)
     assert task.rows.parts["left"][0] == 0.0
+
+
+def test_gains_follow_what_is_planned_now():
+    env = with_feedback(ROTARY)
+    task = env.unwrapped.task
+    env.reset(seed=0)
+    goes_on(env, 100)
+    far = (4.0, 2.0, -4.0)
+    env.unwrapped.redirect(lambda state: feedforward.connected(state.derivatives, far, 6.0))
+    schedule = env.env.law.schedule
+    for led in (False, True):
+        for _ in range(20):
+            if led:
+                env.unwrapped.lead((0.2, 0.0, 0.0))
+            goes_on(env, 1)
+        step, path = int(task.steps[0]), task.plans[0].reference
+        whole = make_plan(task.rig, path, task.period, 0.0)
+        exact = gains_along(task.plant, whole)[[0, step, -1]]
+        assert schedule.now()[0] == pytest.approx(exact[1], rel=1e-6, abs=1e-9)
+        assert not np.allclose(exact[0], exact[1], rtol=1e-2)
 
 
 def test_an_emergency_stop_stays_on_the_way():
@@ -292,7 +315,7 @@ def test_what_cannot_be_is_refused_in_one_line():
         operated.step([0.0])
 
 
-@pytest.mark.parametrize("name", [OVERHEAD, "flatrig/CableManipulator-v0"])
+@pytest.mark.parametrize("name", [OVERHEAD, CABLEV])
 def test_the_plant_of_an_episode_that_runs_can_change(name):
     """Changed at once it is the plant that was made so; and others stay what they are."""
     other = envs.Scenario(load_mass=1.2, wind=30.0, trolley_viscous=5.0)

@@ -215,12 +215,12 @@ def test_switches_and_disturbances_do_what_they_say():
     assert heavy > 2e-2
     tension = session.state()["tension"][0]
     assert tension == pytest.approx(1.2 * 981.0, rel=0.1)
-    go(session, 200, estimate=True)
-    assert go(session, 50) < 0.5 * heavy
+    go(session, 120, estimate=True)
+    assert go(session, 20) < 0.5 * heavy
     assert not session.message
-    with_residual = go(session, 50, residual=True)
+    with_residual = go(session, 20, residual=True)
     assert np.isfinite(with_residual)
-    assert go(session, 100, wind=40.0, load_mass=1.0) > 2e-2
+    assert go(session, 50, wind=40.0, load_mass=1.0) > 2e-2
     session.begin()
     assert session.state()["load"] == pytest.approx(start)
     for _ in range(600):  # nothing holds the load any more: it ends, and all begins anew

@@ -26,6 +26,8 @@ from .web import LOOPBACK, Server
 
 EVERY = 2
 """Control periods from one picture to the next."""
+SAID = 8.0
+"""How long a message stands in the page [s]."""
 DEAD = 0.8
 """Without a word of the page for so long, the crane stops [s]."""
 FASTEST = 5.0
@@ -50,6 +52,7 @@ class Drive:
         self._lock = threading.Lock()
         self._wishes = self.session.wishes
         self._heard = -math.inf
+        self._said = "", -math.inf
         self._orders: list[str] = []
         self._recording: Recording | None = None
         self._films: list[threading.Thread] = []
@@ -212,7 +215,10 @@ class Drive:
         }
 
     def _frame(self) -> dict[str, Any]:
-        session = self.session
+        session, now = self.session, time.monotonic()
+        if session.message != self._said[0]:
+            self._said = session.message, now
+        said = session.message if now - self._said[1] < SAID or self._recording else ""
         state = {name: np.asarray(value).tolist() for name, value in session.state().items()}
         return {
             **state,
@@ -220,7 +226,7 @@ class Drive:
             "ghost": self.sketch.ghost(session.planned),
             "pace": round(self._pace, 2),
             "recording": self._recording is not None,
-            "message": session.message,
+            "message": said,
         }
 
 

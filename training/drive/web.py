@@ -7,6 +7,7 @@ its host, and a post must come from this page.
 """
 
 import json
+import socket
 import threading
 import time
 from collections.abc import Callable
@@ -63,6 +64,7 @@ class Server(ThreadingHTTPServer):
         self.last_seen = time.monotonic()
         """When a page was last there [s]."""
         self.closing = False
+        self.address_family = socket.AF_INET6 if ":" in host else socket.AF_INET
         try:
             super().__init__((host, port), Handler)
         except OSError as error:
@@ -77,7 +79,8 @@ class Server(ThreadingHTTPServer):
     @property
     def url(self) -> str:
         """Where the page is."""
-        return f"http://{self.host}:{self.server_address[1]}/"
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"http://{host}:{self.server_address[1]}/"
 
     def show(self, frame: dict[str, Any]) -> None:
         """Send a frame to all pages."""
