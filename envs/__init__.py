@@ -8,6 +8,10 @@
     env = gym.make("flatrig/TwoFingerHand-v0", disturbances="standard", sensors="full")
     env = envs.PoseFeedback(envs.Feedforward(envs.PD(env)))
 
+    env = gym.make("flatrig/RotaryCrane-v0", reference="operator")
+    env.step([0.5, 0.0, -0.2])          # once reset: velocities of the load in m/s, see
+                                        # `flatrig.envs.crane.operated`
+
 Importing this package registers them; `flatrig.envs.crane.task` documents the options of cranes,
 `flatrig.envs.hand.task` those of hands.  `flatrig.envs.laws` shows a controller of one's own
 (`Law`, `wrap`, `task_of`), `flatrig.envs.ranges` a disturbance of one's own.
