@@ -34,7 +34,11 @@ FRAME = re.compile("[╭╰]|[─-]{20}")
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit status."""
-    return run(_parse(argv))
+    try:
+        options = _parse(argv)
+    except BrokenPipeError:
+        return _unread()
+    return run(options)
 
 
 def run(options: Any) -> int:
@@ -47,9 +51,8 @@ def run(options: Any) -> int:
         return _fail(str(error))
     except MemoryError:
         return _fail("out of memory; ask for fewer samples or simulations")
-    except BrokenPipeError:  # the reader of a pipe has enough
-        sys.stderr.close()
-        return NO
+    except BrokenPipeError:
+        return _unread()
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
         return _fail(f"{where}{error.strerror or error}")
@@ -90,6 +93,12 @@ def _first_part(box: str) -> str:
     texts = [" ".join(part) for framed, part in parts if not framed]
     first = texts[0 if box.lstrip().startswith("╭") else 1 :][:1]
     return f"{' '.join(first)}; see flatrig --help"
+
+
+def _unread() -> int:
+    """The reader of a pipe has enough: nothing is left to say, not even by Python as it ends."""
+    sys.stderr.close()
+    return NO
 
 
 def _fail(message: str) -> int:

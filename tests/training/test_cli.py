@@ -3,6 +3,7 @@
 import csv
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -248,6 +249,13 @@ def crane(options):
 def hand(options):
     print(f"{options.times} x {options.hand_target()[0].name}")
 """
+
+
+@pytest.mark.parametrize("words", ["bench --help", "list --json"])
+def test_a_reader_that_has_enough_is_no_mistake(words: str) -> None:
+    command = f"{shlex.quote(sys.executable)} -m flatrig.training.cli {words} | true"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=60)
+    assert (done.stdout, done.stderr) == ("", "")
 
 
 def test_a_command_is_its_options_and_a_function(
