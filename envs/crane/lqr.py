@@ -177,9 +177,9 @@ def LQR(env: AnyEnv, *, change: float | None = None, patience: float | None = No
             'LQR needs load sensors; make the environment with sensors="sway" or "full", or take '
             "Observer"
         )
-    usual = _usual(task.rig)
-    change = bounded("change", usual[0] if change is None else change, above=0)
-    patience = bounded("patience", usual[1] if patience is None else patience, above=0, unit="s")
+    own = usual(task.rig)
+    change = bounded("change", own[0] if change is None else change, above=0)
+    patience = bounded("patience", own[1] if patience is None else patience, above=0, unit="s")
     weights = replace(
         Weights.of(task.rig, task.scales), change=change, patience=patience, sway=SWAY
     )
@@ -204,14 +204,15 @@ def Observer(env: AnyEnv, *, change: float | None = None) -> Any:
         `Observer`, `SwingDamping`, `MassEstimate` or `Residual` stands below.
     """
     task, feedback = _below(env, "Observer")
-    change = bounded("change", _usual(task.rig)[0] if change is None else change, above=0)
+    change = bounded("change", usual(task.rig)[0] if change is None else change, above=0)
     weights = replace(Weights.of(task.rig, task.scales), change=change, sway=SWAY)
     return wrap(env, ObserverLaw(task, None, feedback, weights), change=change)
 
 
-def _usual(rig: Rig) -> tuple[float, float]:
+def usual(rig: Rig) -> tuple[float, float]:
     """Change and patience that suit a rig."""
-    return CALM if rig.pulleys and rig.dimensions == 3 else (CHANGE, PATIENCE)
+    hanging = any(part.name in rig.pulleys for part in rig.loads)
+    return CALM if hanging and rig.dimensions == 3 else (CHANGE, PATIENCE)
 
 
 def _below(env: AnyEnv, name: str) -> tuple[CraneTask, PDLaw]:

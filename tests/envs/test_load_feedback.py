@@ -8,7 +8,7 @@ import flatrig.envs as envs
 from flatrig import feedforward, models
 from flatrig.envs.crane.courses import planned
 from flatrig.envs.crane.linearisation import Lineariser
-from flatrig.envs.crane.lqr import LQRLaw
+from flatrig.envs.crane.lqr import LQRLaw, usual
 from flatrig.models.errors import OptionError
 
 RIG = models.make("overhead_crane")
@@ -186,3 +186,11 @@ def test_platforms_do_not_swing_as_pendulums() -> None:
     env = envs.Feedforward(envs.PD(envs.CraneEnv("cable_manipulator", sensors="sway")))
     with pytest.raises(OptionError, match="carries the platform platform, which several ropes"):
         envs.SwingDamping(env)
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [("cantilever_crane", 0.05), ("navy_crane_2d", 0.05), ("navy_crane_3d", 0.005)],
+)
+def test_only_a_pulley_that_hangs_in_space_asks_for_calm(name, change):
+    assert usual(models.make(name))[0] == change
