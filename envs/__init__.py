@@ -20,7 +20,7 @@ Importing this package registers them; `flatrig.envs.crane.task` documents the o
 import gymnasium as gym
 
 from ..models import CATALOGUE, HAND_CATALOGUE
-from .common import Range
+from .common import Outcome, Range
 from .controllers import PD, Feedforward, Residual
 from .crane.disturbances import Disturbances, Scenario, design
 from .crane.env import CraneEnv, CraneVectorEnv
@@ -33,7 +33,6 @@ from .crane.references import RandomMoves
 from .crane.swing_damping import SwingDamping
 from .crane.task import CraneTask
 from .crane.taut_guard import TautGuard
-from .episodes import Outcome
 from .hand.disturbances import HandDisturbances, HandScenario, hand_design
 from .hand.env import HandEnv, HandVectorEnv
 from .hand.goals import RandomGoals

@@ -1,12 +1,12 @@
 """What environments of cranes and of hands have in common: names and limits."""
 
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.types import Mask
+from ..models.types import Array, Mask
 
 Ids = NDArray[np.int32]
 """Indices of some simulations, sorted."""
@@ -36,6 +36,19 @@ def none_of(ids: Ids | None, num: int) -> Mask:
     if ids is not None:
         others[ids] = False
     return others
+
+
+class Outcome(NamedTuple):
+    """What a step did to each of n simulations; arrays are the caller's own."""
+
+    reward: Array
+    """Rewards in [0, 1], shape (n,)."""
+    terminated: Mask
+    """Whether the physics left the range in which the model is valid, shape (n,)."""
+    truncated: Mask
+    """Whether the time is over, shape (n,)."""
+    reasons: list[str]
+    """Why each simulation's episode is over; "" while it goes on."""
 
 
 class AnyScenario(Protocol):

@@ -6,16 +6,16 @@ A task has a plant, a planner whose plans are read row by row, encoders, command
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, Generic, NamedTuple, cast
+from typing import Any, ClassVar, Generic, cast
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..models.errors import OptionError
-from ..models.types import Array, Mask
+from ..models.types import Array
 from ..models.values import bounded
-from .common import NOT_FINITE, Ids, Steps, none_of
+from .common import NOT_FINITE, Ids, Outcome, Steps, none_of
 from .gains import Gains, Track
 from .option_checks import actions_of, sensors_of, substeps_of
 from .plans import Layout, Planner, PlanT
@@ -27,19 +27,6 @@ from .simulations import Simulations
 
 TIME = "time"
 """Why an episode is truncated."""
-
-
-class Outcome(NamedTuple):
-    """What a step did to each of n simulations; arrays are the caller's own."""
-
-    reward: Array
-    """Rewards in [0, 1], shape (n,)."""
-    terminated: Mask
-    """Whether the physics left the range in which the model is valid, shape (n,)."""
-    truncated: Mask
-    """Whether the time is over, shape (n,)."""
-    reasons: list[str]
-    """Why each simulation's episode is over; "" while it goes on."""
 
 
 class Task(ABC, Generic[PlanT, ScenarioT]):

@@ -4,22 +4,18 @@ A command is registered here and nowhere else.  Nothing heavy is imported, so th
 answers at once.
 """
 
-import math
-from typing import Annotated, Literal
+from typing import Literal
 
-from tyro.conf import Positional, arg
+from tyro.conf import Positional
 
-from ..models.errors import OptionError
 from .commands import COMMANDS as COMMANDS  # filled below
 from .commands import command
+from .option_values import Json, Output, Target
+from .option_values import check_number as check_number
 from .rig_options import RigOptions
 
 MINUTES = 10.0
 """Time to train for [min], if neither time nor steps are given."""
-
-Output = Annotated[str, arg(aliases=("-o",), metavar="PATH")]
-Json = Annotated[bool, arg(name="json", help="Print JSON for scripts instead of tables.")]
-"""Its keys are described in docs/reference/command_line.md."""
 
 
 @command(".describe.listing:main")
@@ -65,9 +61,9 @@ class Solve(RigOptions):
 class Export(RigOptions):
     """Write exact feedforward as source for a controller, which tests itself with the move."""
 
-    c: Annotated[str, arg(metavar="PATH")] = ""
+    c: Target = ""
     """C99 file to write, its header beside it; or - for standard output."""
-    python: Annotated[str, arg(metavar="PATH")] = ""
+    python: Target = ""
     """Python file to write, or -."""
 
 
@@ -104,29 +100,6 @@ class Compare(RigOptions):
     resume: bool = False
     """Of all: keep what an interrupted run has left in the folder."""
     json: Json = False
-
-    def check_numbers(self) -> None:
-        """Refuse numbers that no comparison can have.
-
-        Raises
-        ------
-        OptionError
-            Naming the option.
-        """
-        check_number("--scenarios", self.scenarios, lowest=1, open_end=False)
-        check_number("--episodes", self.episodes, open_end=False)
-        check_number("--processes", self.processes, lowest=1, open_end=False)
-
-    def check_one(self) -> None:
-        """The same for one crane or hand, for which some options are not."""
-        self.check_numbers()
-        for name, given in (
-            ("page", self.page), ("resume", self.resume), ("processes", self.processes > 1)
-        ):  # fmt: skip
-            if given:
-                raise OptionError(
-                    f"--{name} is for `flatrig compare all`, not for {self.rig} alone"
-                )
 
 
 @command(crane=".learn.train:main", hand=".learn.train_hands:main")
@@ -313,19 +286,3 @@ class Reproduce:
     """Folder for figures and tables; results/reproduce if left out."""
     page: str = ""
     """Markdown file to write instead, with small pictures, tables, and what differs from print."""
-
-
-def check_number(
-    name: str, value: float, *, lowest: float = 0.0, open_end: bool = True, unit: str = ""
-) -> None:
-    """Refuse an option that is not a finite number above (or at) its lowest value.
-
-    Raises
-    ------
-    OptionError
-        With the value and what would be right.
-    """
-    good = math.isfinite(value) and (value > lowest if open_end else value >= lowest)
-    if not good:
-        text = f"{value:g} {unit}".strip()
-        raise OptionError(f"{name} is {text}, it must be {'>' if open_end else '>='} {lowest:g}")

@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...models.types import Array
-from ..common import Ids, none_of
+from ..common import Ids, Outcome, none_of
 from ..controllers import FeedforwardLaw, PDLaw
-from ..episodes import Outcome
 from ..option_checks import actions_of
 from .outputs import levers
 from .references import OPERATOR

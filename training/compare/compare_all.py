@@ -30,6 +30,7 @@ from ..rig_options import RigOptions
 from ..tables import write_csv
 from . import compare_cranes, compare_hands
 from .all_report import hand_table, score_rows, table_of_all
+from .check_options import check_numbers
 from .comparison_page import write_page
 from .contenders import EVALUATION_SEED
 from .episode_sets import gather, sets_of
@@ -104,7 +105,7 @@ def check(command: options.Compare) -> None:
     OptionError
         Naming the option.
     """
-    command.check_numbers()
+    check_numbers(command)
     sets_of(command.sets)
     single = [item.name for item in fields(RigOptions) if item.name != "rig"]
     for name in (*single, "nominal", "policy", "trajectories"):

@@ -22,6 +22,7 @@ from ..exits import DONE, refuse
 from ..learned import check
 from ..policy import Policy, shipped
 from ..random_moves import PERIOD
+from .check_options import check_one
 from .contenders import SENSORS, Contender
 from .crane_runner import EpisodeRunner, plans_of
 from .driving import drive_all
@@ -68,7 +69,7 @@ NOTES = (
 def main(command: options.Compare) -> int:
     """Compare, print the table, and save tables and figure."""
     rig, move = command.target()
-    command.check_one()
+    check_one(command)
     sets_of(command.sets)
     folder = Path(command.output or f"results/compare-{command.label()}")
     policies = policies_for(rig, command.policy)

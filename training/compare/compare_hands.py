@@ -29,6 +29,7 @@ from ..describe.feasible import INFEASIBLE
 from ..exits import DONE, refuse
 from ..learned import check
 from ..policy import Policy, shipped
+from .check_options import check_one
 from .contenders import EVALUATION_SEED, Contender
 from .driving import drive_all, periods
 from .figure import draw
@@ -85,7 +86,7 @@ class HandMetrics:
 def main(command: options.Compare) -> int:
     """Compare, print the table, and save tables and figure."""
     hand, move = command.hand_target()
-    command.check_one()
+    check_one(command)
     if command.sets or command.episodes or command.trajectories:
         raise OptionError("--sets, --episodes and --trajectories are for cranes")
     if command.duration is None:
