@@ -51,9 +51,12 @@ CHANGE = 0.05
 centimetre."""
 PATIENCE = 1.0
 """Time in which a lasting error counts once more [s]."""
-CALM = 0.005, 3.0
+CALM = 0.002, 3.0
 """The two where a free pulley hangs in space: light, it swings between its ropes faster than a
 regulator that is late can follow, and linear models of it hold nearby only."""
+HEAVY = 0.02, 1.0
+"""The two for platforms: all trolleys ride on one frame, whose drive would else be at its limit for
+an error of centimetres, and a regulator that is at its limits keeps the load swinging."""
 SWAY = 0.1
 """Deviation of a joint that does [m, rad]: below a drive that is held a load swings as a pendulum,
 whatever its mass; one that yields swings with it."""
@@ -159,8 +162,8 @@ def LQR(env: AnyEnv, *, change: float | None = None, patience: float | None = No
         or vector.
     change
         Change of a command in one period, over the limits, that costs as much as the load's error
-        of a centimetre: more is quicker, and bears less delay and noise; 0.05, or 0.005 with a
-        free pulley in space, if left out.
+        of a centimetre: more is quicker, and bears less delay and noise; 0.05 if left out, 0.02
+        with a platform, 0.002 with a free pulley in space.
     patience
         Time in which a lasting error costs once more what it does at once [s]; 1, or 3 with such
         a pulley, if left out.
@@ -212,6 +215,8 @@ def Observer(env: AnyEnv, *, change: float | None = None) -> Any:
 def usual(rig: Rig) -> tuple[float, float]:
     """Change and patience that suit a rig."""
     hanging = any(part.name in rig.pulleys for part in rig.loads)
+    if rig.platforms:
+        return HEAVY
     return CALM if hanging and rig.dimensions == 3 else (CHANGE, PATIENCE)
 
 
