@@ -50,9 +50,6 @@ MARGIN = 5e-3
 """Of the rig's weight, that ropes pull with; a stop may come below by `governor.WORSE`."""
 RESTING = 1e-9
 """Distance [m] or [rad] still to go at which a stream rests."""
-LAG, HEAVY_LAG = 0.4, 0.7
-"""Lags by default [s], of loads that hang and of platforms: trolleys that ride on one frame are as
-slow as that, and what would be quicker the governor would hold back."""
 SHORTEST, LONGEST = 1e-3, 1e2
 """Lags [s]."""
 SLOWEST, FASTEST = 1.0, 1e5
@@ -71,7 +68,7 @@ class Stream:
         it continues, as `Motion.at` gives it.
     lag
         Time constant of the command filter [s]: the outputs follow a command after as many lags as
-        the rig needs derivatives; 0.4, or 0.7 with a platform, if left out.
+        the rig needs derivatives.
     rate
         Ticks per second [Hz].
     share
@@ -95,15 +92,14 @@ class Stream:
         rig: Rig,
         start: ArrayLike | State,
         *,
-        lag: float | None = None,
+        lag: float = 0.4,
         rate: float = 100.0,
         share: float = 0.95,
         margin: float | None = None,
     ) -> None:
         self._problem = problem_of(rig)
         self.rig = rig
-        usual = HEAVY_LAG if rig.platforms else LAG
-        self.lag = between("lag", usual if lag is None else lag, SHORTEST, LONGEST, "s")
+        self.lag = between("lag", lag, SHORTEST, LONGEST, "s")
         self.rate = between("rate", rate, SLOWEST, FASTEST, "Hz")
         self.share = between("share", share, 1e-6, 1.0, "of the limits")
         lowest = MARGIN * rig.weight if margin is None else margin
