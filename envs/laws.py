@@ -159,7 +159,8 @@ def refuse_below(env: AnyEnv, name: str, *alike: str) -> None:
     """Nothing is added twice, and nothing above a residual, which would clip and scale it."""
     for law in laws_of(env):
         if law.name in (name, *alike):
-            raise OptionError(f"{law.name} stands below already, it must be there once")
+            once = "it must be there once" if law.name == name else f"{name} does the same"
+            raise OptionError(f"{law.name} stands below already, {once}; take one of them")
         if law.topmost:
             raise OptionError(
                 f"{name} above {law.name} would be clipped and scaled; put {law.name} on top"

@@ -13,13 +13,18 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGES = (*ROOT.glob("*.md"), *sorted((ROOT / "docs").rglob("*.md")))
 TEXT = "\n".join(
     (ROOT / page).read_text(encoding="utf-8")
-    for page in ("README.md", "docs/explanation/training.md", "docs/how-to/drive_a_crane.md")
+    for page in (
+        "README.md",
+        "docs/explanation/controllers.md",
+        "docs/explanation/training.md",
+        "docs/how-to/drive_a_crane.md",
+    )
 )
 BLOCKS = re.findall(r"```python\n(.*?)```", TEXT, flags=re.DOTALL)
 
 
 def test_there_are_examples():
-    assert len(BLOCKS) == 7
+    assert len(BLOCKS) == 8
 
 
 @pytest.mark.parametrize("block", BLOCKS)

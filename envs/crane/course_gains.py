@@ -1,8 +1,10 @@
 """What a regulator and its observer need along a plan, from the plan and the rig alone.
 
-gains = CourseGains(lineariser, scales, weights, delay, loads=True)
-table = AlongPlans(task, gains.of, lineariser.stride)
-now = gains.split(table.now())               # matrices at every simulation's present knot
+    gains = CourseGains(lineariser, scales, weights, delay, errors)
+    table = AlongPlans(task, gains.of, lineariser.stride)
+    now = gains.split(table.now())               # matrices at every simulation's present knot
+
+`lqr` puts them to use.
 """
 
 from typing import NamedTuple

@@ -69,8 +69,6 @@ class KalmanFilter:
         self._before = np.zeros((num, len(errors)))
         self.estimate = np.zeros((num, size))
         """Joints and rates, and the load's mass over the rig's minus 1, (n, states + 1)."""
-        self.surprise = np.zeros((num, len(errors)))
-        """What was measured minus what was foreseen, over its standard deviation, (n, measured)."""
 
     def begin(self, gains: Gains, measured: Array, fresh: Mask) -> None:
         """Nothing moves yet, but loads may hang aside, and weigh what they like."""
@@ -94,7 +92,6 @@ class KalmanFilter:
         crossed = covariance[:, :, :joints] @ gains.seen.swapaxes(1, 2)
         unsure = gains.seen @ crossed[:, :joints] + np.diag(self._errors**2)
         correction = np.linalg.solve(unsure, crossed.swapaxes(1, 2)).swapaxes(1, 2)
-        self.surprise = (measured - told) / self._errors
         self.estimate = self._foreseen + np.matvec(correction, measured - told)
         covariance = covariance - correction @ crossed.swapaxes(1, 2)
         self._covariance = 0.5 * (covariance + covariance.swapaxes(1, 2))

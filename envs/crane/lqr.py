@@ -15,10 +15,11 @@ not tell wind from friction: `Observer` has no integrals, it damps the swing tha
 
 A regulator that is too sure of its model fails on a plant that is another one.  These take commands
 to be three periods late, one more than the longest of the standard disturbances, count with inputs
-that are off by some percent of the limits, and with forces of no model on the load.
+that are off by a tenth or a fifth of the limits, and with forces of no model on the load.
 
-Limits: the linear models are those of the rig's own mass.  With the wind among what the filter
-believes, one crane of three got better and the rotary one let ropes go slack.
+Limits: the linear models are those of the rig's own mass.  What errors cost is in metres, for ropes
+of some metres: with one of 20 m take a smaller `change`, or `SwingDamping`.  With the wind among
+what the filter believes, one crane of three got better and the rotary one let ropes go slack.
 """
 
 from dataclasses import replace
@@ -92,10 +93,6 @@ class LQRLaw(Law):
         states = 2 * lineariser.model.nv
         self.filter = KalmanFilter(task.num, states, noise, errors, task.period)
         """What it believes of the crane's state."""
-        self.sensitivity = np.zeros((task.num, drives))
-        """Slope of the feedforward over the limits in the mass ratio, now, (n, drives)."""
-        self.added = np.zeros((task.num, drives))
-        """What it added last, over the limits, (n, drives)."""
         self._sum = np.zeros((task.num, len(task.rig.outputs)))
         self._sent = np.zeros((task.num, DELAY, drives))
 
@@ -110,15 +107,13 @@ class LQRLaw(Law):
         gains = self._gains.split(self._table.now())
         self._remember(fresh)
         self._observe(gains, fresh)
-        self.sensitivity = gains.slope[:, 0]
-        heavier = (self.estimate - 1.0)[:, None] * self.sensitivity
+        heavier = (self.estimate - 1.0)[:, None] * gains.slope[:, 0]
         on_the_way = (self._sent - heavier[:, None]).reshape(task.num, -1)
         known = [self.filter.estimate[:, :-1], on_the_way]
         if self._loads is not None:
             known.append(self._integrals(self._loads, fresh))
         wanted = heavier - np.matvec(gains.feedback, np.hstack(known))
-        self.added = np.asarray(wanted - self._feedback.feedback())
-        return np.asarray(actions + self.added)
+        return np.asarray(actions + wanted - self._feedback.feedback())
 
     def _remember(self, fresh: Mask) -> None:
         """Take in what was sent beyond the feedforward; nothing was before `fresh` episodes."""

@@ -108,7 +108,7 @@ def MassEstimate(env: AnyEnv, *, rate: float = RATE) -> Any:
     task = task_of(env)
     if not isinstance(task, CraneTask):
         raise OptionError(f"{env} is no crane, MassEstimate is for loads of cranes")
-    refuse_below(env, "MassEstimate")
+    refuse_below(env, "MassEstimate", "LQR", "Observer")
     laws = list(laws_of(env))
     feedback = next((law for law in laws if isinstance(law, PDLaw) and law.moving), None)
     if feedback is None or not any(isinstance(law, FeedforwardLaw) for law in laws):

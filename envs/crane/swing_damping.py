@@ -124,7 +124,7 @@ def SwingDamping(env: AnyEnv, *, damping: float = DAMPING, integral: float = INT
             f"SwingDamping is for loads that swing as pendulums; {task.rig.name} carries the "
             f"platform {task.rig.platforms[0].name}, which several ropes hold"
         )
-    refuse_below(env, "SwingDamping")
+    refuse_below(env, "SwingDamping", "LQR", "Observer")
     feedback = next((law for law in laws_of(env) if isinstance(law, PDLaw) and law.moving), None)
     if feedback is None:
         raise OptionError(

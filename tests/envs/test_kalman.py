@@ -94,5 +94,5 @@ def test_a_late_reading_is_compared_with_what_was_believed_then():
         places, np.vstack((places[:1] - 0.3 * period, places[:-1])), strict=True
     ):
         made.correct(gains, np.append(now, before)[None], late)
-        assert made.surprise == pytest.approx(0.0, abs=1e-9)
+        assert made.estimate[0, :2] == pytest.approx([now[0], 0.3], abs=1e-9)
         made.foresee(gains, np.zeros((1, 1)))

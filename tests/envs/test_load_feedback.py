@@ -173,7 +173,9 @@ def test_drive_positions_follow_joints():
         (lambda env: envs.LQR(envs.Feedforward(envs.PD(env)), change=0), "full", "change"),
         (lambda env: envs.LQR(envs.Feedforward(envs.PD(env)), patience=-1), "full", "patience"),
         (lambda env: envs.LQR(base(env)), "full", "MassEstimate stands below already"),
-        (lambda env: envs.LQR(observer(env)), "full", "once"),
+        (lambda env: envs.LQR(observer(env)), "full", "Observer stands below already, LQR does"),
+        (lambda env: envs.MassEstimate(lqr(env)), "full", "LQR stands below already"),
+        (lambda env: envs.SwingDamping(observer(env)), "full", "Observer stands below already"),
     ],
 )
 def test_what_cannot_be_is_refused_in_a_line(wrap, sensors, message):
