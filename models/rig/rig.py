@@ -19,14 +19,13 @@ torque is positive when it pays out.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Literal, TypeVar, overload
+from typing import overload
 
-from ..errors import RigError, did_you_mean
+from ..errors import RigError
 from ..values import Home, Vector, clean, shown
 from . import validation
+from .description import Description, named
 from .parts import (
     WORLD,
     Anchor,
@@ -60,7 +59,7 @@ __all__ = [
 
 
 @dataclass(frozen=True)
-class Rig:
+class Rig(Description):
     """A crane: its parts, its inputs, and the coordinates that a reference path prescribes.
 
     Raises
@@ -68,33 +67,6 @@ class Rig:
     RigError
         A value or a name is wrong; the message says which and what would be right.
     """
-
-    name: str
-    """Name of the rig."""
-    masses: tuple[Trolley | Load | Platform, ...]
-    """Bodies that ropes move; sorted into trolleys, then loads, then platforms."""
-    ropes: tuple[Rope, ...]
-    """Ropes with their winches."""
-    drives: tuple[Drive, ...]
-    """Inputs, as many as `outputs`."""
-    outputs: tuple[str, ...]
-    """Coordinates and combinations that a reference prescribes, in the order of its columns."""
-    frames: tuple[Frame, ...] = ()
-    """Structures that move: booms, bridges, gantries."""
-    anchors: tuple[Anchor, ...] = ()
-    """Points fixed in the world, in frames and in platforms."""
-    rails: tuple[Rail, ...] = ()
-    """Rails that trolleys run on."""
-    combinations: tuple[Combination, ...] = ()
-    """Weighted sums of coordinates that can be outputs."""
-    home: Mapping[str, float | Vector] = Home({})
-    """A configuration at rest, by the parts' names: angle [rad] or position [m] of each frame and
-    trolley (0 if left out), (x, y, z) [m] of each load and of each platform, which is upright.  It
-    fixes the branch of the equations' solutions."""
-    dimensions: Literal[2, 3] = 3
-    """Number of dimensions; with 2, everything stays in the plane y = 0."""
-    gravity: float = 9.81
-    """Acceleration of gravity along -z [m/s2]."""
 
     def __post_init__(self) -> None:
         clean(self)
@@ -125,102 +97,6 @@ class Rig:
             validation.check_trolley(trolley, self.home_of(trolley), self.rail(trolley.rail))
         validation.check_spans(self.ropes, {name: self.home_point(name) for name in points})
 
-    @cached_property
-    def input_names(self) -> tuple[str, ...]:
-        """Names of the inputs, in the order of `drives`."""
-        return tuple(drive.name for drive in self.drives)
-
-    @cached_property
-    def rope_names(self) -> tuple[str, ...]:
-        """Names of the ropes, in their order."""
-        return tuple(rope.name for rope in self.ropes)
-
-    @property
-    def axes(self) -> str:
-        """Letters of the axes in which loads move: "xz" or "xyz"."""
-        return "xz" if self.dimensions == 2 else "xyz"
-
-    @cached_property
-    def coordinate_names(self) -> tuple[str, ...]:
-        """Names of the coordinates: of frames, trolleys, ropes, loads, then platforms."""
-        names = [frame.coordinate for frame in self.frames]
-        names += [mass.coordinate for mass in self.trolleys]
-        names += [rope.coordinate for rope in self.ropes]
-        names += [f"{load.name}.{axis}" for load in self.loads for axis in self.axes]
-        for platform in self.platforms:
-            names += [f"{platform.name}.{axis}" for axis in "xyz"]
-            names += platform.angles
-        return tuple(names)
-
-    @property
-    def trolleys(self) -> tuple[Trolley, ...]:
-        """Point masses on rails."""
-        return tuple(mass for mass in self.masses if isinstance(mass, Trolley))
-
-    @property
-    def loads(self) -> tuple[Load, ...]:
-        """Point masses that are free to move, free pulleys included."""
-        return tuple(mass for mass in self.masses if isinstance(mass, Load))
-
-    @property
-    def platforms(self) -> tuple[Platform, ...]:
-        """Rigid bodies that hang from ropes."""
-        return tuple(mass for mass in self.masses if isinstance(mass, Platform))
-
-    @property
-    def hanging(self) -> tuple[Load | Platform, ...]:
-        """The loads and platforms, which are free to move."""
-        return (*self.loads, *self.platforms)
-
-    @cached_property
-    def pulleys(self) -> frozenset[str]:
-        """Names of the anchors, trolleys and loads that some rope only passes on its way."""
-        return frozenset(point for rope in self.ropes for point in rope.path[1:-1])
-
-    @property
-    def weight(self) -> float:
-        """Weight of all loads and platforms [N]."""
-        return self.gravity * sum(part.mass for part in self.hanging)
-
-    def terms(self, output: str) -> tuple[tuple[float, str], ...]:
-        """An output as a weighted sum of coordinates: (factor, coordinate) of each term."""
-        for combination in self.combinations:
-            if combination.name == output:
-                return tuple(zip(combination.factors, combination.of, strict=True))
-        return ((1.0, output),)
-
-    def platform(self, name: str) -> Platform | None:
-        """Platform of that name; None if there is none."""
-        return next((part for part in self.platforms if part.name == name), None)
-
-    def frame(self, name: str) -> Frame | None:
-        """Frame of that name; None for the world.
-
-        Raises
-        ------
-        RigError
-            There is no frame of that name.
-        """
-        return None if name == WORLD else _named("frame", self.frames, name)
-
-    def rail(self, name: str) -> Rail:
-        """Rail of that name.
-
-        Raises
-        ------
-        RigError
-            There is no rail of that name.
-        """
-        return _named("rail", self.rails, name)
-
-    def driven(self, drive: Drive) -> Frame | Trolley | Rope:
-        """Part that a drive acts on."""
-        return next(part for part in self._drivable if part.name == drive.on)
-
-    @property
-    def _drivable(self) -> tuple[Frame | Trolley | Rope, ...]:
-        return (*self.frames, *self.trolleys, *self.ropes)
-
     @overload
     def home_of(self, part: Frame | Trolley) -> float: ...
 
@@ -250,7 +126,7 @@ class Rig:
         RigError
             There is no such point.
         """
-        part = _named("point", (*self.anchors, *self.masses), name)
+        part = named("point", (*self.anchors, *self.masses), name)
         if isinstance(part, Load | Platform):
             return self.home_of(part)
         if isinstance(part, Trolley):
@@ -285,13 +161,3 @@ def require_rig(value: object) -> Rig:
     if not isinstance(value, Rig):
         raise RigError(f"rig is {shown(value)}, it must be a Rig; models.make(name) makes one")
     return value
-
-
-P = TypeVar("P", Frame, Rail, Anchor | Trolley | Load | Platform)
-
-
-def _named(kind: str, parts: tuple[P, ...], name: str) -> P:
-    for part in parts:
-        if part.name == name:
-            return part
-    raise RigError(f"there is no {kind} {name!r}{did_you_mean(name, [p.name for p in parts])}")
