@@ -227,6 +227,11 @@ def clean(part: Any) -> None:
             plain = tuple(word(label, entry) for entry in sequence(label, value))
         elif kind == tuple[float, ...]:
             plain = tuple(number(label, entry) for entry in sequence(label, value))
+        elif kind == float | tuple[float, ...]:
+            many = isinstance(value, Sequence | np.ndarray) and not isinstance(value, str)
+            entries = sequence(label, value) if many else (value,)
+            numbers = tuple(number(label, entry) for entry in entries)
+            plain = numbers if many else numbers[0]
         elif get_origin(kind) is tuple:  # of parts
             plain = sequence(label, value)
             for entry in plain:

@@ -4,6 +4,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from ...models.rig.frames import refuse_nested
 from ...models.rig.lengths import own_spans
 from ...models.rig.rig import WORLD, Frame, Load, Platform, Rig, Rope, Trolley
 from ...models.types import Array
@@ -12,6 +13,7 @@ from .equations import Constraint, Equations, Orientation
 
 def assemble(rig: Rig) -> Equations:
     """The equations of motion of a rig."""
+    refuse_nested(rig.name, rig.frames)
     return _Builder(rig).build()
 
 

@@ -18,6 +18,7 @@ from math import cos, sin
 from typing import cast
 
 from ..errors import ModelError
+from .frames import refuse_nested
 from .rig import WORLD, Frame, Load, Platform, Rig, Rope, Trolley, Vector
 
 Mass = Trolley | Load | Platform
@@ -57,6 +58,7 @@ def links(rig: Rig) -> tuple[Link, ...]:
     ModelError
         Ropes tie together what cannot sit on one chain.
     """
+    refuse_nested(rig.name, rig.frames)
     components = _components(rig)
     carriers = [_carrier(rig, members) for members in components]
     chain: list[Link] = []

@@ -36,7 +36,7 @@ class Description:
     outputs: tuple[str, ...]
     """Coordinates and combinations that a reference prescribes, in the order of its columns."""
     frames: tuple[Frame, ...] = ()
-    """Structures that move: booms, bridges, gantries."""
+    """Structures that move: booms, bridges, gantries; sorted so that each follows its parent."""
     anchors: tuple[Anchor, ...] = ()
     """Points fixed in the world, in frames and in platforms."""
     rails: tuple[Rail, ...] = ()

@@ -19,18 +19,32 @@ class _Part:
 
 @dataclass(frozen=True)
 class Frame(_Part):
-    """A structure that carries rails and anchors, and has one degree of freedom."""
+    """A structure that carries rails, anchors and other frames, and has one degree of freedom.
+
+    Its axes are its parent's where it turns by nothing.
+    """
 
     name: str
-    """Name of the frame, which rails and anchors give to stand on it."""
+    """Name of the frame, which rails, anchors and frames give to stand on it."""
     kind: Literal["turning", "sliding"]
-    """How the frame moves: `turning` about the vertical axis through the origin, with coordinate
+    """How it moves against its parent: `turning` about `axis` through `origin`, with coordinate
     `NAME.angle` [rad], or `sliding` along `axis`, with coordinate `NAME.position` [m]."""
-    inertia: float
-    """Moment of inertia about the axis [kg m2] of a turning frame, mass [kg] of a sliding one, with
-    everything that it carries rigidly; a sliding frame's weight acts along its axis."""
+    inertia: float | tuple[float, ...] = 0.0
+    """One number: of a turning frame the moment of inertia about its axis [kg m2], with everything
+    that it carries rigidly, against its parent as a motor's is; of a sliding frame its mass [kg].
+    Three or six numbers: the tensor about the centre of `mass` along the frame's own axes [kg m2],
+    xx, yy, zz or xx, yy, zz, xy, xz, yz."""
     axis: Vector = (0.0, 0.0, 1.0)
-    """Unit vector along which a sliding frame moves; a turning one has (0, 0, 1)."""
+    """Unit vector about or along which it moves, in its parent's axes."""
+    origin: Vector = (0.0, 0.0, 0.0)
+    """Where its own origin is while its coordinate is zero, in its parent's axes [m]."""
+    parent: str = WORLD
+    """Name of the frame that carries it."""
+    mass: float = 0.0
+    """Mass [kg] of a body with a centre and a tensor; a turning frame whose axis stands upright in
+    the world does without."""
+    centre: Vector = (0.0, 0.0, 0.0)
+    """Centre of that mass, in the frame's own axes [m]."""
 
     @property
     def coordinate(self) -> str:

@@ -18,7 +18,6 @@ Units are SI, z points up, a rope's length grows when its winch pays out, and a 
 torque is positive when it pays out.
 """
 
-import math
 from dataclasses import dataclass
 from typing import overload
 
@@ -26,6 +25,7 @@ from ..errors import RigError
 from ..values import Home, Vector, clean, shown
 from . import validation
 from .description import Description, named
+from .frames import outwards, parents_first
 from .parts import (
     WORLD,
     Anchor,
@@ -71,6 +71,7 @@ class Rig(Description):
     def __post_init__(self) -> None:
         clean(self)
         object.__setattr__(self, "masses", (*self.trolleys, *self.loads, *self.platforms))
+        object.__setattr__(self, "frames", parents_first(self.name, self.frames))
         self._check()
 
     def _check(self) -> None:
@@ -140,14 +141,7 @@ class Rig(Description):
             return (x, y, z)
         else:
             frame, (x, y, z) = self.frame(part.frame), part.position
-        if frame is None:
-            return (x, y, z)
-        value = self.home_of(frame)
-        if frame.kind == "turning":
-            cos, sin = math.cos(value), math.sin(value)
-            return (cos * x - sin * y, sin * x + cos * y, z)
-        a, b, c = frame.axis
-        return (x + value * a, y + value * b, z + value * c)
+        return outwards(self.frames, frame, self.home_of, (x, y, z))
 
 
 def require_rig(value: object) -> Rig:

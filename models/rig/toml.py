@@ -145,11 +145,17 @@ def dumps(rig: Rig, move: Move | None = None) -> str:
     for kind in _PARTS:
         parts = getattr(rig, kind)
         if parts:
-            table[kind] = [asdict(part) for part in parts]
+            table[kind] = [_entry(part) for part in parts]
     if move is not None:
         changed = [item for item in fields(Move) if getattr(move, item.name) != item.default]
         table["move"] = {item.name: getattr(move, item.name) for item in changed}
     return tomli_w.dumps(table)
+
+
+def _entry(part: Any) -> dict[str, Any]:
+    """A part's fields by name, without those that are at their defaults."""
+    values = asdict(part)
+    return {f.name: values[f.name] for f in fields(part) if getattr(part, f.name) != f.default}
 
 
 def dump(path: str | Path, rig: Rig, move: Move | None = None) -> None:

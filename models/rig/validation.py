@@ -12,6 +12,7 @@ from itertools import pairwise
 
 from ..errors import RigError, did_you_mean
 from ..values import Vector
+from .frame_checks import check_frame
 from .parts import (
     WORLD,
     Anchor,
@@ -61,7 +62,7 @@ def check_parts(rig: str, parts: Sequence[Part], *, planar: bool) -> None:
     for part in parts:
         label = f"{type(part).__name__.lower()} {part.name}"
         if isinstance(part, Frame):
-            _check_frame(label, part, planar=planar)
+            check_frame(label, part, frames, planar=planar)
         elif isinstance(part, Anchor):
             _known(label, part.frame, frames + _names(parts, Platform))
             _in_plane(label, part.position, planar=planar)
@@ -85,18 +86,6 @@ def check_parts(rig: str, parts: Sequence[Part], *, planar: bool) -> None:
 
 def _names(parts: Iterable[Part], *kinds: type[Part]) -> list[str]:
     return [part.name for part in parts if isinstance(part, kinds)]
-
-
-def _check_frame(label: str, frame: Frame, *, planar: bool) -> None:
-    if frame.kind not in ("turning", "sliding"):
-        raise RigError(f"{label}: kind is {frame.kind!r}, it must be turning or sliding")
-    _positive(label, "inertia", frame.inertia, "kg m2" if frame.kind == "turning" else "kg")
-    _unit(label, "axis", frame.axis)
-    _in_plane(label, frame.axis, planar=planar)
-    if frame.kind == "turning" and tuple(frame.axis) != (0.0, 0.0, 1.0):
-        raise RigError(f"{label}: a turning frame's axis must be (0, 0, 1)")
-    if frame.kind == "turning" and planar:
-        raise RigError(f"{label}: a planar rig has no turning frame")
 
 
 def _check_platform(label: str, platform: Platform, *, planar: bool) -> None:

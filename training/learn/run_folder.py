@@ -67,7 +67,7 @@ def read_config(
     if command.target()[0].name != loads(rig)[0].name:
         raise OptionError(mismatch)
     command = _with_options(command, begun_with, folder)
-    if dumps(*command.target()) != rig:
+    if dumps(*command.target()) != dumps(*loads(rig)):
         raise OptionError(mismatch)
     return command, settings, config
 
