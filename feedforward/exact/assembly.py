@@ -118,12 +118,12 @@ class _Builder:
         for frame in self.rig.frames:
             if frame.kind == "turning":
                 pair = self.row(f"{frame.name}.cos"), self.row(f"{frame.name}.sin")
-                self.add_inertia(frame.inertia, *pair)
+                self.add_inertia(frame.along, *pair)
                 unit = Constraint(f"{frame.name}.unit", frame.name, "unit", None)
                 self.constrain(unit, *((0.5, row, row) for row in pair), (-0.5, unity, unity))
             else:
-                self.add_inertia(frame.inertia, self.row(frame.coordinate))
-                self.add_weight(frame.inertia, self._origin(frame))
+                self.add_inertia(frame.along, self.row(frame.coordinate))
+                self.add_weight(frame.along, self._origin(frame))
 
     def _in_frame(self, frame: Frame | None, vector: tuple[float, float, float]) -> Array:
         """World direction of a vector fixed in a frame, affine, shape (3, n + 1)."""

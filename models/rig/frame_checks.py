@@ -74,8 +74,8 @@ def _check_inertia(label: str, frame: Frame) -> None:
             f"{label}: its mass is given twice, as mass {frame.mass:g} kg and as inertia "
             f"{frame.inertia:g} kg; leave one out"
         )
-    elif frame.inertia < 0 or not (frame.inertia or frame.mass):
-        raise RigError(f"{label}: inertia is {frame.inertia:g} {unit}, it must be > 0")
+    elif frame.along < 0 or not (frame.along or frame.mass):
+        raise RigError(f"{label}: inertia is {frame.along:g} {unit}, it must be > 0")
     if frame.kind == "turning" and not _about_axis(frame) > 0:
         raise RigError(
             f"{label}: it has no inertia about its axis, on which all of its mass lies; give it an "
@@ -88,9 +88,7 @@ def _about_axis(frame: Frame) -> float:
     axis, centre = np.array(frame.axis), np.array(frame.centre)
     away = centre - axis * (axis @ centre)
     own = axis @ tensor(frame.inertia) @ axis
-    return float(own + frame.mass * (away @ away)) + (
-        frame.inertia if isinstance(frame.inertia, float) else 0.0
-    )
+    return float(own + frame.mass * (away @ away)) + frame.along
 
 
 def check_tensor(label: str, inertia: tuple[float, ...]) -> None:

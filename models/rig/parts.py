@@ -51,6 +51,11 @@ class Frame(_Part):
         """Name of the frame's coordinate."""
         return f"{self.name}.{'angle' if self.kind == 'turning' else 'position'}"
 
+    @property
+    def along(self) -> float:
+        """Inertia along its coordinate alone, a number [kg m2] or [kg]; 0 where a tensor stands."""
+        return self.inertia if isinstance(self.inertia, float) else 0.0
+
 
 @dataclass(frozen=True)
 class Anchor(_Part):

@@ -94,7 +94,7 @@ class ClosedForm:
         self._run.argtypes = [ctypes.c_int, *[ctypes.c_void_p] * 3]
         (rope,) = rig.ropes
         numbers = [rig.loads[0].mass, rig.trolleys[0].mass, rope.winch_inertia, rope.drum_radius]
-        numbers += [rig.gravity, *(frame.inertia for frame in rig.frames)]
+        numbers += [rig.gravity, *(frame.along for frame in rig.frames)]
         self._numbers = np.array(numbers)
         self._inputs = len(rig.drives)
 

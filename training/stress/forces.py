@@ -170,11 +170,11 @@ class Seen:
         own = [trolley.name for trolley in self.rig.trolleys if trolley.rail in rails]
         own += [a.name for a in self.rig.anchors if a.frame == frame.name and a.name in pushed]
         second = self.motion.accelerations[:, self.motion.column(frame.coordinate)]
-        missing, size = -frame.inertia * second, frame.inertia * np.abs(second)
+        missing, size = -frame.along * second, frame.along * np.abs(second)
         axis = np.array(frame.axis)
         if frame.kind == "sliding":
-            missing = missing - frame.inertia * self.rig.gravity * axis[2]
-            size = size + frame.inertia * self.rig.gravity * abs(axis[2])
+            missing = missing - frame.along * self.rig.gravity * axis[2]
+            size = size + frame.along * self.rig.gravity * abs(axis[2])
         for name in own:
             force, pull = pushed[name]
             lever = 1.0

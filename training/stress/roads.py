@@ -138,7 +138,7 @@ def allowance(motion: Motion) -> float:
     rig = motion.rig
     turned = Seen(motion).rounding
     pulled = 1.0 + np.abs(motion.tensions).max() / rig.weight
-    inertias = [frame.inertia for frame in rig.frames if frame.kind == "turning"]
+    inertias = [frame.along for frame in rig.frames if frame.kind == "turning"]
     points = len(rig.masses) * mjcf.POINT_INERTIA / min(inertias, default=np.inf)
     return float(turned * pulled + points)
 

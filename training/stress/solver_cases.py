@@ -199,7 +199,7 @@ def resized(rig: Rig, factor: float) -> Rig:
     return replace(
         rig,
         frames=tuple(
-            replace(frame, inertia=frame.inertia * (factor**2 if frame.name in turning else 1.0))
+            replace(frame, inertia=frame.along * (factor**2 if frame.name in turning else 1.0))
             for frame in rig.frames
         ),
         anchors=tuple(replace(part, position=longer(part.position)) for part in rig.anchors),
