@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from .arguments import keywords_of, known_keywords
 from .errors import FlatrigError, ModelError, OptionError, PathError, RigError, SmoothnessError
 from .files import OutputError
+from .friction import Friction
 from .hand.catalogue import HAND_CATALOGUE, default_hand_move, make_hand
 from .hand.hand import Finger, Hand, HeldObject, Plate, Tip
 from .hand.kiss_hands import (
@@ -71,6 +72,7 @@ __all__ = [
     "Finger",
     "FlatrigError",
     "Frame",
+    "Friction",
     "Hand",
     "HandMove",
     "HeldObject",

@@ -23,6 +23,8 @@ def _plain(value: Any) -> Any:
         return {"kind": type(value).__name__, **entries}
     if isinstance(value, Mapping):
         return {name: _plain(entry) for name, entry in value.items()}
+    if value is None:
+        return "none"
     if isinstance(value, tuple):
         return [_plain(entry) for entry in value]
     return value if isinstance(value, str) else f"{float(value) + 0.0:.12g}"  # -0.0 is 0.0

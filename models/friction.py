@@ -35,7 +35,7 @@ class Friction:
         is less than Coulomb friction.
     """
 
-    coulomb: float
+    coulomb: float = 0.0
     """Coulomb friction, while slipping [N]."""
     viscous: float = 0.0
     """Viscous friction per speed [N s/m]."""

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from numbers import Real
 from typing import Any, Literal, TypeGuard, get_origin
 
@@ -219,6 +219,8 @@ def clean(part: Any) -> None:
         kind: Any = item.type
         if kind is float:
             plain: object = number(label, value, endless="endless" in item.metadata)
+        elif kind == float | None:
+            plain = None if value is None else number(label, value)
         elif kind == Vector:
             plain = vector(label, value)
         elif kind is str or (get_origin(kind) is Literal and isinstance(kind.__args__[0], str)):
@@ -238,6 +240,10 @@ def clean(part: Any) -> None:
                 if not isinstance(entry, kind.__args__[0]):
                     needed = getattr(kind.__args__[0], "__name__", str(kind.__args__[0]))
                     raise RigError(f"{label} holds {shown(entry)}, it must be a {needed}")
+        elif isinstance(kind, type) and is_dataclass(kind):
+            if not isinstance(value, kind):
+                raise RigError(f"{label} is {shown(value)}, it must be a {kind.__name__}")
+            plain = value
         elif kind is int:
             plain = whole(label, value)
         elif kind == Literal[2, 3]:

@@ -7,6 +7,7 @@ import numpy as np
 from ...models.rig.frames import refuse_nested
 from ...models.rig.lengths import own_spans
 from ...models.rig.rig import WORLD, Frame, Load, Platform, Rig, Rope, Trolley
+from ...models.rig.unsolved import refuse_unsolved
 from ...models.types import Array
 from .equations import Constraint, Equations, Orientation
 
@@ -14,6 +15,7 @@ from .equations import Constraint, Equations, Orientation
 def assemble(rig: Rig) -> Equations:
     """The equations of motion of a rig."""
     refuse_nested(rig.name, rig.frames)
+    refuse_unsolved(rig)
     return _Builder(rig).build()
 
 

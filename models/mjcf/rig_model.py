@@ -32,6 +32,7 @@ from ..errors import ModelError, did_you_mean
 from ..looks import booms, dressing, setting
 from ..rig.chain import Link, links
 from ..rig.rig import WORLD, Frame, Platform, Rig, Trolley, Vector
+from ..rig.unsolved import refuse_unsolved
 from ..values import as_number, shown
 from . import rigging, spools
 from .armature import check
@@ -161,6 +162,7 @@ def _scene(
     ropes: Ropes,
 ) -> mujoco.MjSpec:
     """The rig's bodies, ropes and drives, without the inputs that hold it at home."""
+    refuse_unsolved(rig)
     scene = mujoco.MjSpec()
     scene.modelname = rig.name
     scene.compiler.degree = False

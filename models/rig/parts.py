@@ -4,10 +4,14 @@ import math
 from dataclasses import dataclass, field
 from typing import Literal
 
+from ..friction import Friction
 from ..values import ENDLESS, Vector, clean
 
 WORLD = "world"
 """Name of the frame that does not move."""
+
+FRICTIONLESS = Friction()
+"""Of a part that does not rub."""
 
 
 class _Part:
@@ -45,6 +49,8 @@ class Frame(_Part):
     the world does without."""
     centre: Vector = (0.0, 0.0, 0.0)
     """Centre of that mass, in the frame's own axes [m]."""
+    friction: Friction = FRICTIONLESS
+    """Friction of its bearing [N m], [N m s], or of its rails [N], [N s/m]."""
 
     @property
     def coordinate(self) -> str:
@@ -98,6 +104,8 @@ class Trolley(_Part):
     """Mass of the trolley with all it carries rigidly, such as a winch [kg]."""
     rail: str
     """Name of the rail that it runs on."""
+    friction: Friction = FRICTIONLESS
+    """Friction along the rail [N], [N s/m]."""
 
     @property
     def coordinate(self) -> str:
@@ -116,6 +124,8 @@ class Load(_Part):
     """Name of the load."""
     mass: float
     """Mass of the load [kg]; a free pulley may have none, 0."""
+    drag: float = 0.0
+    """Drag of the air per speed [N s/m]."""
 
 
 @dataclass(frozen=True)
@@ -186,6 +196,14 @@ class Rope(_Part):
     falls: int = 1
     """Number of parallel parts of the last span, which then ends at a block: it shortens by one
     metre when the winch takes in `falls` metres, and pulls `falls` times as hard."""
+    friction: Friction = FRICTIONLESS
+    """Friction of the winch, along the rope where it leaves the drum [N], [N s/m]."""
+    shortest: float = 0.0
+    """Least whole length [m]."""
+    longest: float = field(default=math.inf, metadata=ENDLESS)
+    """Largest whole length, all that the drum has [m]."""
+    two_block: float = 0.0
+    """Length of the last span at which its end meets the point that it hangs from [m]."""
 
     @property
     def coordinate(self) -> str:
@@ -204,11 +222,39 @@ class Rope(_Part):
 
 @dataclass(frozen=True)
 class Drive(_Part):
-    """An input: a torque on a turning frame or a rope's winch, a force on a slide or trolley."""
+    """An input: a torque on a turning frame or a rope's winch, a force on a slide or trolley.
+
+    All its limits are those of its motor, which stands before the gear.
+    """
 
     name: str
     """Name of the drive and of its input."""
     on: str
     """Name of the frame, trolley or rope that it acts on."""
     limit: float
-    """Largest magnitude of the input [N] or [N m], which scales the actions of the environments."""
+    """Highest input [N] or [N m]; with `lower` left out also the largest magnitude."""
+    lower: float | None = None
+    """Lowest input [N] or [N m]; `-limit` if left out.  A winch that hoists has a negative one."""
+    speed: float = field(default=math.inf, metadata=ENDLESS)
+    """Largest speed [m/s] or [rad/s]; a winch's is that of its motor, not of the rope."""
+    acceleration: float = field(default=math.inf, metadata=ENDLESS)
+    """Largest acceleration [m/s2] or [rad/s2]."""
+    power: float = field(default=math.inf, metadata=ENDLESS)
+    """Largest power, delivered or taken up [W]."""
+    rate: float = field(default=math.inf, metadata=ENDLESS)
+    """Largest rate of change of the input [N/s] or [N m/s]."""
+    gear: float = 1.0
+    """Turns of the motor for one of the drum or frame, or its way for one metre of a slide's [1];
+    inertias of the description are those behind the gear, the motor's part times its square."""
+    efficiency: float = 1.0
+    """Share of the power that passes the gear, either way [1]."""
+
+    @property
+    def lowest(self) -> float:
+        """Lowest input [N] or [N m]."""
+        return -self.limit if self.lower is None else self.lower
+
+    @property
+    def largest(self) -> float:
+        """Largest magnitude of the input [N] or [N m], which scales the environments' actions."""
+        return self.limit if self.lower is None else max(abs(self.limit), abs(self.lower))

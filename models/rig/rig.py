@@ -23,7 +23,7 @@ from typing import overload
 
 from ..errors import RigError
 from ..values import Home, Vector, clean, shown
-from . import validation
+from . import limit_checks, validation
 from .description import Description, named
 from .frames import outwards, parents_first
 from .parts import (
@@ -90,7 +90,7 @@ class Rig(Description):
         validation.check_names(self.name, self.input_names)
         validation.check_parts(self.name, bodies, planar=planar)
         validation.check_ropes(self.ropes, points)
-        validation.check_drives(self.name, self.drives, [part.name for part in self._drivable])
+        limit_checks.check_drives(self.name, self.drives, self._drivable, self.loads)
         validation.check_combinations(self.combinations, self.coordinate_names, angles)
         validation.check_outputs(self.name, self.outputs, known, len(self.drives))
         validation.check_home(self.home, self.frames, self.masses, planar=planar)

@@ -3,7 +3,8 @@
 A file holds the fields of `Rig` by their names, each kind of part as an array of tables
 (`[[frames]]`, `[[anchors]]`, `[[rails]]`, `[[trolleys]]`, `[[loads]]`, `[[platforms]]`,
 `[[ropes]]` with `[[ropes.sheaves]]`, `[[combinations]]`, `[[drives]]`), `[home]`, and a `[move]`
-if it has one.  Instead of parts it may name a rig of the catalogue, with overrides:
+if it has one.  A part that rubs has `friction = {coulomb = 2.0, viscous = 80.0}`.  Instead of
+parts it may name a rig of the catalogue, with overrides:
 
     rig = "overhead_crane"
     load_mass = 80.0
@@ -23,8 +24,9 @@ from typing import Any
 import tomli_w
 
 from ..arguments import file_path
-from ..errors import FlatrigError, PathError, RigError, did_you_mean
+from ..errors import FlatrigError, OptionError, PathError, RigError, did_you_mean
 from ..files import write_text
+from ..friction import Friction
 from ..reading import read_text
 from ..values import shown, word
 from .catalogue import default_move, make, parameters
@@ -57,6 +59,7 @@ _PARTS = {
 }
 LARGEST = 2**20
 """Size of a file beyond which it is none of a rig [bytes]."""
+FORM = "{coulomb = 2.0, viscous = 80.0}"
 _PLAIN = ("name", "dimensions", "gravity", "outputs", "home")
 
 
@@ -155,6 +158,7 @@ def dumps(rig: Rig, move: Move | None = None) -> str:
 def _entry(part: Any) -> dict[str, Any]:
     """A part's fields by name, without those that are at their defaults."""
     values = asdict(part)
+    values |= {name: _entry(part.friction) for name in values if name == "friction"}
     return {f.name: values[f.name] for f in fields(part) if getattr(part, f.name) != f.default}
 
 
@@ -214,7 +218,22 @@ def _part(kind: str, build: type, entry: dict[str, Any]) -> Any:
     values = dict(entry)
     if build is Rope:
         values["sheaves"] = _parts("sheaves", Sheave, values.get("sheaves", []))
+    if "friction" in entry:
+        values["friction"] = _friction(label, entry["friction"])
     return build(**values)
+
+
+def _friction(label: str, entry: Any) -> Friction:
+    known = ("coulomb", "viscous")
+    if not isinstance(entry, dict):
+        raise RigError(f"{label}: friction is {shown(entry)}, it must be a table such as {FORM}")
+    for key in entry:
+        if key not in known:
+            raise RigError(f"{label}: friction has no {key!r}{did_you_mean(key, known)}")
+    try:
+        return Friction(entry.get("coulomb", 0.0), entry.get("viscous", 0.0))
+    except OptionError as error:
+        raise RigError(f"{label}: {error}") from None
 
 
 def _check_keys(label: str, build: Any, entry: dict[str, Any]) -> None:

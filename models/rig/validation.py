@@ -13,11 +13,11 @@ from itertools import pairwise
 from ..errors import RigError, did_you_mean
 from ..values import Vector
 from .frame_checks import check_frame
+from .limit_checks import check_rope_ends
 from .parts import (
     WORLD,
     Anchor,
     Combination,
-    Drive,
     Frame,
     Load,
     Platform,
@@ -135,16 +135,6 @@ def check_ropes(ropes: Iterable[Rope], points: Sequence[str]) -> None:
             _positive(f"{label}: the sheave at {sheave.at}", "inertia", sheave.inertia, "kg m2")
 
 
-def check_drives(rig: str, drives: Sequence[Drive], driven: Sequence[str]) -> None:
-    """Drives act on parts named `driven`, each on one of its own."""
-    for drive in drives:
-        _known(f"drive {drive.name}", drive.on, driven)
-        _positive(f"drive {drive.name}", "limit", drive.limit, "N or N m")
-    for name in driven:
-        if [drive.on for drive in drives].count(name) > 1:
-            raise RigError(f"rig {rig}: two drives act on {name!r}")
-
-
 def check_combinations(
     combinations: Iterable[Combination], coordinates: Iterable[str], angles: Sequence[str]
 ) -> None:
@@ -212,9 +202,10 @@ def check_trolley(trolley: Trolley, place: float, rail: Rail) -> None:
         )
 
 
-def check_spans(ropes: Iterable[Rope], places: Mapping[str, Vector]) -> None:
-    """No span of a rope is without length at home, where points are at `places` [m]."""
+def check_spans(ropes: Sequence[Rope], places: Mapping[str, Vector]) -> None:
+    """Spans and ropes have lengths that they can have at home, where points are at `places` [m]."""
     for rope in ropes:
         for before, after in pairwise(rope.path):
             if math.dist(places[before], places[after]) == 0:
                 raise RigError(f"home of rope {rope.name}: {before} and {after} coincide")
+    check_rope_ends(ropes, places)
