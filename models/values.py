@@ -144,6 +144,19 @@ def whole(label: str, value: object) -> int:
     return int(plain)
 
 
+def truth(label: str, value: object) -> bool:
+    """A truth value.
+
+    Raises
+    ------
+    RigError
+        It is none.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise RigError(f"{label} is {shown(value)}, it must be true or false")
+    return bool(value)
+
+
 def word(label: str, value: object) -> str:
     """A name.
 
@@ -221,6 +234,8 @@ def clean(part: Any) -> None:
             plain: object = number(label, value, endless="endless" in item.metadata)
         elif kind == float | None:
             plain = None if value is None else number(label, value)
+        elif kind is bool:
+            plain = truth(label, value)
         elif kind == Vector:
             plain = vector(label, value)
         elif kind is str or (get_origin(kind) is Literal and isinstance(kind.__args__[0], str)):

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...models.rig.frames import refuse_nested
 from ...models.rig.lengths import own_spans
-from ...models.rig.rig import WORLD, Frame, Load, Platform, Rig, Rope, Trolley
+from ...models.rig.rig import WORLD, Frame, Link, Load, Platform, Rig, Rope, Trolley
 from ...models.rig.unsolved import refuse_unsolved
 from ...models.types import Array
 from .equations import Constraint, Equations, Orientation
@@ -42,6 +42,7 @@ class _Builder:
             indices, rows = self._rope(rope)
             spans.append(indices)
             lengths.append(rows)
+        links = tuple(self._link(link) for link in self.rig.links)
         self._drives()
         n = len(self.names)
         stacked = np.array(self.constraints).reshape(-1, n + 1, n + 1)
@@ -58,13 +59,13 @@ class _Builder:
             input_constant=self.inputs[:, :, -1],
             input_linear=self.inputs[:, :, :-1],
             turning=tuple(
-                (frame.coordinate, self.index(f"{frame.name}.cos"), self.index(f"{frame.name}.sin"))
-                for frame in self.rig.frames
-                if frame.kind == "turning"
+                (angle, self.index(f"{name}.cos"), self.index(f"{name}.sin"))
+                for angle, name in self._angles()
             ),
-            orientations=tuple(self._orientation(part) for part in self.rig.platforms),
+            orientations=tuple(self._orientation(part) for part in self._in_space()),
             spans=tuple(spans),
             span_lengths=tuple(lengths),
+            links=links,
             points=MappingProxyType(points),
         )
 
@@ -72,12 +73,12 @@ class _Builder:
         """Frames, trolleys, ropes, loads as in `Rig.coordinate_names`, then the auxiliary ones."""
         rig = self.rig
         names: list[str] = []
-        angles = [angle for platform in rig.platforms for angle in platform.angles]
+        left_out = (*rig.platform_angles, *rig.held)
         for name in rig.coordinate_names:
             frame = next((f for f in rig.frames if f.coordinate == name), None)
             if frame is not None and frame.kind == "turning":
                 names += [f"{frame.name}.cos", f"{frame.name}.sin"]
-            elif name not in angles:
+            elif name not in left_out:
                 names.append(name)
         for rope in rig.ropes:
             names += [f"{rope.name}.span{i}" for i in own_spans(self.rig, rope)]
@@ -85,9 +86,24 @@ class _Builder:
             frame = rig.frame(rig.rail(trolley.rail).frame)
             if frame is not None and frame.kind == "turning":
                 names += [f"{trolley.name}.x", f"{trolley.name}.y"]
-        for platform in rig.platforms:
+        for platform in self._in_space():
             names += [f"{platform.name}.d{i}{axis}" for i in (1, 2, 3) for axis in "xyz"]
+        for platform in self._in_plane():
+            names += [f"{platform.name}.cos", f"{platform.name}.sin"]
         return names
+
+    def _in_space(self) -> tuple[Platform, ...]:
+        """The platforms that have directors."""
+        return self.rig.platforms if self.rig.dimensions == 3 else ()
+
+    def _in_plane(self) -> tuple[Platform, ...]:
+        """The platforms that have the cosine and sine of one angle."""
+        return self.rig.platforms if self.rig.dimensions == 2 else ()
+
+    def _angles(self) -> list[tuple[str, str]]:
+        """What turns by one angle with cosine and sine: its name, and whose it is."""
+        turning = [(f.coordinate, f.name) for f in self.rig.frames if f.kind == "turning"]
+        return turning + [(p.angles[1], p.name) for p in self._in_plane()]
 
     def index(self, name: str) -> int:
         return self.names.index(name)
@@ -115,14 +131,18 @@ class _Builder:
         """Add gravity on a mass at an affine place (3, n + 1)."""
         self.force -= mass * self.rig.gravity * place[2, :-1]
 
-    def _frames(self) -> None:
+    def _turn(self, name: str, inertia: float, *pair: Array) -> None:
+        """Add the energy of a body that turns about one axis, and the unit length of its pair."""
         unity = self.row(constant=1.0)
+        self.add_inertia(inertia, *pair)
+        unit = Constraint(f"{name}.unit", name, "unit", None)
+        self.constrain(unit, *((0.5, row, row) for row in pair), (-0.5, unity, unity))
+
+    def _frames(self) -> None:
         for frame in self.rig.frames:
             if frame.kind == "turning":
                 pair = self.row(f"{frame.name}.cos"), self.row(f"{frame.name}.sin")
-                self.add_inertia(frame.along, *pair)
-                unit = Constraint(f"{frame.name}.unit", frame.name, "unit", None)
-                self.constrain(unit, *((0.5, row, row) for row in pair), (-0.5, unity, unity))
+                self._turn(frame.name, frame.along, *pair)
             else:
                 self.add_inertia(frame.along, self.row(frame.coordinate))
                 self.add_weight(frame.along, self._origin(frame))
@@ -144,11 +164,10 @@ class _Builder:
     def position(self, name: str) -> Array:
         """World position of a point, affine, shape (3, n + 1)."""
         part = next(p for p in self.points if p.name == name)
-        if isinstance(part, Platform):
-            return np.array([self.row(f"{name}.{axis}") for axis in "xyz"])
-        if isinstance(part, Load):
-            names = [f"{name}.{axis}" if axis in self.rig.axes else None for axis in "xyz"]
-            return np.array([self.row(coordinate) for coordinate in names])
+        if isinstance(part, Load | Platform):
+            names = [f"{name}.{axis}" for axis in "xyz"]
+            home = zip(names, self.rig.home_of(part), strict=True)
+            return np.array([self.row(*((c,) if c in self.names else (None, x))) for c, x in home])
         if isinstance(part, Trolley):
             rail = self.rig.rail(part.rail)
             frame = self.rig.frame(rail.frame)
@@ -189,12 +208,19 @@ class _Builder:
     def directors(self, platform: Platform) -> list[Array]:
         """The three directors of a platform, each of shape (3, n + 1)."""
         name = platform.name
+        if self.rig.dimensions == 2:  # turned about y
+            none, cos, sin = self.row(), self.row(f"{name}.cos"), self.row(f"{name}.sin")
+            across = np.array([none, self.row(constant=1.0), none])
+            return [np.array([cos, none, -sin]), across, np.array([sin, none, cos])]
         return [np.array([self.row(f"{name}.d{i}{axis}") for axis in "xyz"]) for i in (1, 2, 3)]
 
     def _platforms(self) -> None:
         """Inertia of the directors, Y 2.41, and their six constraints, Y 2.44."""
         unity = self.row(constant=1.0)
-        for platform in self.rig.platforms:
+        for platform in self._in_plane():
+            pair = self.row(f"{platform.name}.cos"), self.row(f"{platform.name}.sin")
+            self._turn(platform.name, platform.inertia[1], *pair)
+        for platform in self._in_space():
             directors = self.directors(platform)
             half = 0.5 * sum(platform.inertia)
             for moment, rows in zip(platform.inertia, directors, strict=True):
@@ -246,6 +272,17 @@ class _Builder:
             beyond = self.row(rope.coordinate) - before
             self.add_inertia(sheave.inertia / sheave.radius**2, beyond)
         return tuple(constraints[i] for i in range(1, last + 1)), lengths
+
+    def _link(self, link: Link) -> int:
+        """Adds the constraint of a link's length; its index."""
+        first, second = (self.position(end) for end in link.ends)
+        length = self.row(constant=self.rig.link_length(link))
+        self.constrain(
+            Constraint(link.name, link.name, "link", None),
+            *((0.5, row, row) for row in second - first if row.any()),
+            (-0.5, length, length),
+        )
+        return len(self.constraints) - 1
 
     def _drives(self) -> None:
         for column, drive in enumerate(self.rig.drives):

@@ -13,10 +13,14 @@ with a constant mass matrix M, possibly singular (Y 5.102, K 3.39).  To make the
 - a rope's spans but one, mostly the last, have their lengths as coordinates (K 3.41),
 - a platform has its three directors, the columns of its rotation matrix, as coordinates; their
   six products are constraints (Y 2.42 to 2.44) and their masses the moments about the planes
-  across them, so that its gyroscopic torque needs no term of its own.
+  across them, so that its gyroscopic torque needs no term of its own; in a planar rig it has the
+  cosine and the sine of its angle,
+- a link adds a constraint and no coordinate.
 
-The multiplier of a span's constraint, 1/2 (|span|^2 - length^2), times the length is the
-rope's tension; of a last span with several falls, of all of them together.
+What symmetry holds at home is no coordinate: `Rig.held` leaves it and its equation out.
+
+The multiplier of a span's or a link's constraint, 1/2 (|span|^2 - length^2), times the length is
+its tension; of a last span with several falls, of all of them together.
 """
 
 from collections.abc import Mapping
@@ -39,9 +43,10 @@ class Constraint(NamedTuple):
     name: str
     owner: str
     """Name of the part that it belongs to."""
-    role: Literal["unit", "rail", "director", "span"]
-    """The unit length of a frame's cosine and sine; a coordinate of a trolley on a turning rail;
-    a product of two of a platform's directors; the length of a rope's span."""
+    role: Literal["unit", "rail", "director", "span", "link"]
+    """The unit length of the cosine and sine of a frame or a planar platform; a coordinate of a
+    trolley on a turning rail; a product of two of a platform's directors; the length of a rope's
+    span; that of a link."""
     coordinate: int | None
     """Index of the coordinate that follows from it: of a rail's and a span's."""
 
@@ -80,13 +85,16 @@ class Equations:
     input_linear: Array
     """B', shape (n, a, n): the force on coordinate i of input j is B'[i, j] @ q times u_j."""
     turning: tuple[tuple[str, int, int], ...]
-    """For each turning frame its angle's name and the indices of cosine and sine."""
+    """For each turning frame, and each platform of a planar rig, its angle's name and the indices
+    of cosine and sine."""
     orientations: tuple[Orientation, ...]
-    """Directors of each platform."""
+    """Directors of each platform in space."""
     spans: tuple[tuple[int, ...], ...]
     """For each rope the indices of the constraints of its spans."""
     span_lengths: tuple[Array, ...]
     """For each rope the rows giving its spans' lengths from (q, 1), shape (spans, n + 1)."""
+    links: tuple[int, ...]
+    """For each link the index of its constraint."""
     points: Mapping[str, Array]
     """For each anchor and mass the rows giving its world position from (q, 1), (3, n + 1)."""
 
@@ -124,16 +132,18 @@ class Equations:
         return np.asarray(self.input_constant + linear)
 
     def tensions(self, state: Array, multipliers: Array) -> Array:
-        """Of the ropes where they leave their winches [N], shape (N, ropes).
+        """Of the ropes where they leave their winches, then of the links [N], (N, ropes + links).
 
         States (N, n) and multipliers (N, m).
         """
         ones = _with_one(state)
-        tensions = np.zeros((len(state), len(self.rig.ropes)))
-        ropes = zip(self.rig.ropes, self.spans, self.span_lengths, strict=True)
+        tensions = np.zeros((len(state), len(self.rig.tension_names)))
+        ropes = list(zip(self.rig.ropes, self.spans, self.span_lengths, strict=True))
         for i, (rope, spans, rows) in enumerate(ropes):
             falls = rope.falls if len(spans) == 1 else 1
             tensions[:, i] = multipliers[:, spans[0]] * (ones @ rows[0]) / falls
+        for i, (link, k) in enumerate(zip(self.rig.links, self.links, strict=True), len(ropes)):
+            tensions[:, i] = multipliers[:, k] * self.rig.link_length(link)
         return tensions
 
     def accelerations(self, state: Array, rate: Array, inputs: Array) -> tuple[Array, Array]:

@@ -49,7 +49,7 @@ def approach(problem: Problem, start: tuple[float, ...]) -> Solution:
 
 def _unwound(rig: Rig, outputs: tuple[float, ...]) -> Array:
     """The same outputs with a platform's angles within half a turn of upright."""
-    angles = {angle for platform in rig.platforms for angle in platform.angles}
+    angles = set(rig.platform_angles)
     pairs = zip(rig.outputs, outputs, strict=True)
     return np.array([math.remainder(x, math.tau) if name in angles else x for name, x in pairs])
 

@@ -18,20 +18,23 @@ from .state import State
 
 
 class Slack(NamedTuple):
-    """An interval in which a rope would have to push."""
+    """An interval in which a rope or a link would have to push."""
 
     rope: str
+    """Its name."""
     start: float
     """When the tension becomes negative [s]."""
     end: float
     """When it is positive again [s]."""
     lowest: float
     """Lowest tension in it [N]."""
+    kind: str = "rope"
+    """Whether it is a rope or a link."""
 
     def __str__(self) -> str:
         return (
-            f"rope {self.rope} would have to push from {self.start:.4g} s to {self.end:.4g} s "
-            f"(down to {self.lowest:.4g} N)"
+            f"{self.kind} {self.rope} would have to push from {self.start:.4g} s "
+            f"to {self.end:.4g} s (down to {self.lowest:.4g} N)"
         )
 
 
@@ -58,8 +61,8 @@ class Motion:
     """Inputs [N] or [N m], shape (N, inputs), columns `Rig.input_names`; means over the time from
     each instant to `hold` later if that is not 0."""
     tensions: Array
-    """Where a rope leaves its winch [N], shape (N, ropes), columns `Rig.rope_names`; > 0, since a
-    rope can only pull."""
+    """Where a rope leaves its winch, and of links [N], shape (N, ropes + links), columns
+    `Rig.tension_names`; > 0 but of what pushes, since a rope can only pull."""
     multipliers: Array
     """Of the constraints of `Equations.constraint_names`, shape (N, constraints); a span's is
     the tension of all its falls over its length [N/m]."""
@@ -145,7 +148,7 @@ class Motion:
         names = [
             "time",
             *(f"{name}.held" if self.hold else name for name in self.rig.input_names),
-            *(f"{rope}.tension" for rope in self.rig.rope_names),
+            *(f"{rope}.tension" for rope in self.rig.tension_names),
             *self.coordinate_names,
             *(f"{name}_dot" for name in self.coordinate_names),
             *(f"{name}_ddot" for name in self.coordinate_names),
@@ -162,20 +165,27 @@ reporting an unloaded rope, whose tension is zero but for rounding, as slack."""
 
 
 def find_slack(rig: Rig, times: Array, tensions: Array) -> tuple[Slack, ...]:
-    """Intervals of tensions (N, ropes) that are negative, their ends interpolated."""
+    """Intervals of tensions (N, ropes + links) that are negative, their ends interpolated.
+
+    Those of what can push do not count.
+    """
     if every(tensions >= 0.0):
         return ()
     intervals = []
     order = np.argsort(times, kind="stable")
     times, tensions = times[order], tensions[order]
     least = ROUNDING * np.abs(tensions).max(initial=0.0)
-    for rope, tension in zip(rig.rope_names, tensions.T, strict=True):
+    for rope, tension in zip(rig.tension_names, tensions.T, strict=True):
+        if rope in rig.pushing:
+            continue
+        kind = rig.spoken(rope).split()[0]
         loose = np.concatenate(([False], ~(tension >= -least), [False]))
         first = np.flatnonzero(loose[1:] & ~loose[:-1]).tolist()
         last = (np.flatnonzero(~loose[1:] & loose[:-1]) - 1).tolist()
         for i, k in zip(first, last, strict=True):
             start, end = _crossing(times, tension, i, i - 1), _crossing(times, tension, k, k + 1)
-            intervals.append(Slack(rope, start, end, float(tension[i : k + 1].min())))
+            lowest = float(tension[i : k + 1].min())
+            intervals.append(Slack(rope, start, end, lowest, kind))
     return tuple(intervals)
 
 

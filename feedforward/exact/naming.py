@@ -54,7 +54,7 @@ def named_motion(
     columns = dict(zip(equations.names, state, strict=True))
     for name, cos, sin in equations.turning:
         columns[name] = _turning_angle(state[cos], state[sin], angles[name])
-    columns |= platforms
+    columns |= platforms | _held(equations, state.shape[1:])
     names = coordinate_names(equations)
     kinematics = np.array([columns[name] for name in names]).transpose(1, 2, 0)
     tensions = equations.tensions(state[:, 0].T, multipliers)
@@ -70,6 +70,15 @@ def named_motion(
         multipliers=multipliers,
         slack=find_slack(equations.rig, times, tensions),
     )
+
+
+def _held(equations: Equations, shape: tuple[int, ...]) -> dict[str, Array]:
+    """What is held, with two derivatives, at home; `shape` is (3, N)."""
+    home, held = equations.rig.home_coordinates, {}
+    for name in equations.rig.held:
+        held[name] = np.zeros(shape)
+        held[name][0] = home[name]
+    return held
 
 
 def coordinate_names(equations: Equations) -> tuple[str, ...]:

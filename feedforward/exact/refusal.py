@@ -156,14 +156,12 @@ def _slack_first(
     """The reason, or in its place the ropes that go slack there; then those that did before."""
     rig, names = problem.rig, problem.equations.names
     gone = gone_slack(problem, solution, times, first)
-    here = [f"rope {rope}" for rope, _, now in gone if now]
+    here = [rope for rope, _, now in gone if now]
     if here:
         go = "goes" if len(here) == 1 else "go"
         reason = f"{' and '.join(here)} {go} slack there"
     before = [
-        f"rope {rope} would have to push from {since:.4g} s on"
-        for rope, since, now in gone
-        if not now
+        f"{rope} would have to push from {since:.4g} s on" for rope, since, now in gone if not now
     ]
     rates = [2.0 * w[2] if len(w) > 2 else 0.0 * w[0] for w in solution.series[: len(names)]]
     columns = np.array(rates).T
@@ -186,11 +184,11 @@ def _refused(rig: Rig, when: str, outputs: Array, reason: str) -> PathError:
 
 
 def _in_words(problem: Problem, unknown: int) -> str:
-    """An unknown's name for people: a span's multiplier stands for its rope's tension."""
+    """An unknown's name for people: the multiplier of a span or link stands for its tension."""
     equations = problem.equations
     constraint = unknown - len(equations.names)
-    if constraint in equations.with_role("span"):
-        return f"the tension of rope {equations.roles[constraint].owner}"
+    if constraint in equations.with_role("span", "link"):
+        return f"the tension of {problem.rig.spoken(equations.roles[constraint].owner)}"
     return problem.analysis.unknowns[unknown]
 
 

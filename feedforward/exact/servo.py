@@ -23,7 +23,8 @@ class Source(NamedTuple):
     """The columns of a reference that one row, or a group of rows, prescribes."""
 
     kind: Literal["terms", "frame", "platform"]
-    """A weighted sum of coordinates; the angle of a frame; the Bryant angles of a platform."""
+    """A weighted sum of coordinates; the angle of a frame or of a platform in a plane; the Bryant
+    angles of a platform."""
     columns: tuple[int, ...]
 
 
@@ -80,7 +81,8 @@ def servo_constraints(equations: Equations) -> Servo:
     """
     rig = equations.rig
     turning = {angle: (cos, sin) for angle, cos, sin in equations.turning}
-    frames = {frame.coordinate: frame.name for frame in rig.frames}
+    owners = {frame.coordinate: frame.name for frame in rig.frames}
+    owners |= {angle: part.name for part in rig.platforms for angle in rig.angles_of(part)}
     names: list[str] = []
     rows: list[Terms] = []
     sources: list[Source] = []
@@ -91,7 +93,7 @@ def servo_constraints(equations: Equations) -> Servo:
             names += [equations.names[i] for i in turning[output]]
             rows += [((1.0, i),) for i in turning[output]]
             sources.append(Source("frame", (column,)))
-            implied |= set(equations.with_role("unit", owner=frames[output]))
+            implied |= set(equations.with_role("unit", owner=owners[output]))
         elif orientation is None:
             names.append(output)
             terms = rig.terms(output)

@@ -21,9 +21,10 @@ rope that is unloaded, such as one in line with two others (Y 6.1.1)."""
 
 
 class Gone(NamedTuple):
-    """A rope that goes slack."""
+    """A rope or a link that goes slack."""
 
     rope: str
+    """What it is, and its name."""
     since: float
     """When its tension passes zero [s]."""
     here: bool
@@ -51,7 +52,10 @@ def gone_slack(problem: Problem, solution: Solution, times: Array, end: int) -> 
     tensions = equations.tensions(values[:n].T, values[n : n + m].T)
     least = -NOTHING * problem.rig.weight
     gone = []
-    for rope, tension in zip(problem.rig.rope_names, tensions.T, strict=True):
+    for name, tension in zip(problem.rig.tension_names, tensions.T, strict=True):
+        if name in problem.rig.pushing:
+            continue
+        rope = problem.rig.spoken(name)
         pushing = np.flatnonzero(tension[:end] < least)
         if pushing.size:
             gone.append(Gone(rope, _crossing(times, tension, int(pushing[0])), False))
@@ -92,7 +96,7 @@ def falling(
     Parameters
     ----------
     rig, rope
-        The rope that goes slack.
+        The rope or link that goes slack, by its name or by what it is and its name.
     names
         Of the N coordinates' columns.
     accelerations
@@ -102,7 +106,11 @@ def falling(
     span
         From when to when the rope is slack [s].
     """
-    end = next(part for part in rig.ropes if part.name == rope).path[-1]
+    ends = {part.name: part.path[-1] for part in rig.ropes}
+    ends |= {
+        part.name: min(part.ends, key=lambda end: rig.home_point(end)[2]) for part in rig.links
+    }
+    end = ends[rope.split()[-1]]
     frames = {anchor.name: anchor.frame for anchor in rig.anchors}
     carried = frames.get(end, end)
     heavy = {part.name for part in rig.hanging if part.mass > 0}

@@ -59,14 +59,14 @@ def _unknowns(problem: Problem, motion: Motion) -> tuple[list[Array], list[Array
     table: dict[str, tuple[Array, Array]] = {}
     for i, name in enumerate(motion.coordinate_names):
         table[name] = motion.positions[:, i], motion.accelerations[:, i]
-    for frame in motion.rig.frames:
-        if frame.kind == "turning":
-            i = motion.column(frame.coordinate)
-            angle, rate = motion.positions[:, i], motion.velocities[:, i]
-            turn = motion.accelerations[:, i]
-            cos, sin = np.cos(angle), np.sin(angle)
-            table[f"{frame.name}.cos"] = cos, -sin * turn - cos * rate**2
-            table[f"{frame.name}.sin"] = sin, cos * turn - sin * rate**2
+    unknown = problem.equations.names
+    for coordinate, c, s in problem.equations.turning:
+        i = motion.column(coordinate)
+        angle, rate = motion.positions[:, i], motion.velocities[:, i]
+        turn = motion.accelerations[:, i]
+        cos, sin = np.cos(angle), np.sin(angle)
+        table[unknown[c]] = cos, -sin * turn - cos * rate**2
+        table[unknown[s]] = sin, cos * turn - sin * rate**2
     for orientation in problem.equations.orientations:
         columns = [motion.column(name) for name in orientation.angles]
         angles = np.array([motion.positions, motion.velocities, 0.5 * motion.accelerations])

@@ -64,7 +64,7 @@ class Header:
         coordinates = [f"{n} [{u}]" for n, u in zip(self.program.names, words.units, strict=True)]
         groups: list[tuple[str, str, str, Iterable[str]]] = [
             ("input", "INPUTS", "What drives apply", inputs),
-            ("tension", "ROPES", "Where ropes leave their winches [N]", words.ropes),
+            ("tension", "ROPES", _what(words), words.tensions),
             ("encoder", "INPUTS", "What an encoder on each drive reads", ()),
             ("encoder_rate", "INPUTS", "and its rate", ()),
             ("position", "COORDINATES", "Coordinates", coordinates),
@@ -75,7 +75,7 @@ class Header:
         for member, size, what, entries in groups:
             listed = "; ".join(f"{i} {entry}" for i, entry in enumerate(entries))
             lines += wrapped_comment(f"{what}{': ' if listed else ''}{listed}", 1)
-            if size != "ROPES" or words.ropes:
+            if size != "ROPES" or words.tensions:
                 lines.append(f"    double {member}[{upper}_{size}];")
         return [*lines, f"}} {self.name}_motion;", ""]
 
@@ -101,6 +101,12 @@ class Header:
             f"}} {self.name}_state;",
             "",
         ]
+
+
+def _what(words: Words) -> str:
+    """What the tensions are."""
+    links = ", then of links" if words.links else ""
+    return f"Where ropes leave their winches{links} [N]"
 
 
 def wrapped_comment(text: str, indent: int = 0) -> list[str]:

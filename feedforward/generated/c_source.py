@@ -152,16 +152,27 @@ class _File:
         for member, values in members:
             for i, value in enumerate(values):
                 yield f"    motion->{member}[{i}] = {text_of(value)};"
-        if program.tensions:
-            least, most = "motion->tension[0]", "fabs(motion->tension[0])"
-            yield f"    double lowest = {least}, highest = {most};"
-            yield f"    for (int i = 1; i < {upper}_ROPES; ++i) {{"
-            yield "        const double tension = motion->tension[i];"
-            yield "        if (tension < lowest) lowest = tension;"
-            yield "        if (fabs(tension) > highest) highest = fabs(tension);"
-            yield "    }"
-            yield f"    if (lowest < -{number(SLACK)}*highest) return {upper}_SLACK;"
+        if self.words.pulling:
+            yield from self._taut()
         yield f"    return {upper}_OK;"
+
+    def _taut(self) -> Iterator[str]:
+        """The check that what cannot push does not."""
+        pulling, upper = self.words.pulling, self.upper
+        first, which = f"motion->tension[{pulling[0]}]", "i"
+        yield f"    double lowest = {first}, highest = fabs({first});"
+        if len(pulling) == len(self.words.tensions):
+            yield f"    for (int i = 1; i < {upper}_ROPES; ++i) {{"
+        else:
+            which = "pulling[i]"
+            listed = ", ".join(map(str, pulling))
+            yield f"    static const int pulling[{len(pulling)}] = {{{listed}}};"
+            yield f"    for (int i = 1; i < {len(pulling)}; ++i) {{"
+        yield f"        const double tension = motion->tension[{which}];"
+        yield "        if (tension < lowest) lowest = tension;"
+        yield "        if (fabs(tension) > highest) highest = fabs(tension);"
+        yield "    }"
+        yield f"    if (lowest < -{number(SLACK)}*highest) return {upper}_SLACK;"
 
     def _begin(self, start: Start) -> str:
         name, upper, program = self.name, self.upper, self.program

@@ -16,7 +16,12 @@ class Words:
     """Name and unit of each column of the reference."""
     inputs: tuple[tuple[str, str, float], ...]
     """Name, unit and limit of each input."""
-    ropes: tuple[str, ...]
+    tensions: tuple[str, ...]
+    """Names of the ropes and links."""
+    links: int
+    """How many of them are links, the last ones."""
+    pulling: tuple[int, ...]
+    """Those of them that cannot push."""
     units: tuple[str, ...]
     """Of the coordinates."""
     encoders: tuple[int, ...]
@@ -48,7 +53,7 @@ class Replay:
     inputs: Array
     """Shape (N, inputs)."""
     tensions: Array
-    """Shape (N, ropes)."""
+    """Shape (N, ropes and links)."""
 
 
 def identifier(name: str) -> str:

@@ -47,6 +47,8 @@ class Results:
                 )
             for name, angle in zip(orientation.angles, series, strict=True):
                 columns[name] = self._derivatives(angle)
+        home = rig.home_coordinates
+        columns |= {name: (home[name], 0.0, 0.0) for name in rig.held}
         auxiliary = [name for i, name in enumerate(equations.names) if i not in hidden]
         names = tuple(dict.fromkeys((*rig.coordinate_names, *auxiliary)))
         kinematics = tuple(tuple(columns[name][k] for name in names) for k in range(3))
@@ -71,12 +73,17 @@ class Results:
         """See `Equations.tensions`."""
         equations, n = self.problem.equations, len(self.problem.equations.names)
         ropes = zip(equations.rig.ropes, equations.spans, equations.span_lengths, strict=True)
-        return tuple(
+        of_ropes = tuple(
             self.builder.product(
                 self.known[n + spans[0], 0],
                 self._affine(rows[0], rope.falls if len(spans) == 1 else 1),
             )
             for rope, spans, rows in ropes
+        )
+        links = zip(equations.rig.links, equations.links, strict=True)
+        return of_ropes + tuple(
+            self.builder.product(self.known[n + k, 0], equations.rig.link_length(link))
+            for link, k in links
         )
 
     def spans(self) -> tuple[tuple[str, tuple[Value, ...], Value], ...]:

@@ -287,11 +287,11 @@ def _slack(motion: Motion, slack: Slack) -> str:
 
 
 def _slack_at_rest(motion: Motion, moving: bool) -> list[str]:
-    """A sentence for each rope that has to push even at rest: then no duration helps."""
+    """A sentence for each rope or link that has to push even at rest: then no duration helps."""
     return [
-        f"rope {rope} would have to push at rest at the {end} ({tension:.4g} N), however long "
-        "the move takes"
+        f"{motion.rig.spoken(name)} would have to push at rest at the {end} ({tension:.4g} N), "
+        "however long the move takes"
         for end, sample in (("start", 0), ("goal", -1))[moving:]
-        for rope, tension in zip(motion.rig.rope_names, motion.tensions[sample], strict=True)
-        if tension < -TAUT * motion.rig.weight
+        for name, tension in zip(motion.rig.tension_names, motion.tensions[sample], strict=True)
+        if name not in motion.rig.pushing and tension < -TAUT * motion.rig.weight
     ]

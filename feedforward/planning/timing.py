@@ -143,11 +143,12 @@ class _Bounds:
         except PathError as error:
             return _Tightest(-math.inf, "the workspace", 0.0, str(error))
         bounds = []
-        for rope, tensions in zip(self.rig.rope_names, motion.tensions.T, strict=True):
-            i = int(tensions.argmin())
-            reason = f"the tension of rope {rope} is {tensions[i]:.4g} N"
+        for column in self.rig.pulling:
+            tensions = motion.tensions[:, column]
+            i, rope = int(tensions.argmin()), self.rig.spoken(self.rig.tension_names[column])
+            reason = f"the tension of {rope} is {tensions[i]:.4g} N"
             spare = (tensions[i] - self.margin) / self.rig.weight
-            bounds.append((spare, f"rope {rope}", times[i], reason))
+            bounds.append((spare, rope, times[i], reason))
         for drive, inputs in zip(self.rig.drives, np.abs(motion.inputs.T), strict=True):
             i = int(inputs.argmax())
             reason = f"drive {drive.name} needs {inputs[i]:.4g} {driven_unit(self.rig, drive)}"

@@ -100,9 +100,7 @@ def samples_about(problem: Problem) -> list[list[Array]]:
     random = np.random.default_rng(0)
     taylor = np.zeros((problem.order + 1, SAMPLES, len(outputs)))
     size = max(1.0, float(np.abs(outputs).max()))
-    angles = {a for platform in problem.rig.platforms for a in platform.angles}
-    angles |= {frame.coordinate for frame in problem.rig.frames if frame.kind == "turning"}
-    scale = [1.0 if name in angles else size for name in problem.rig.outputs]
+    scale = [1.0 if name in problem.rig.angles else size for name in problem.rig.outputs]
     taylor[0] = outputs + ABOUT * random.uniform(-1.0, 1.0, taylor[0].shape) * scale
     taylor[2] = PUSH * random.uniform(-1.0, 1.0, taylor[0].shape)
     solution = expand(problem, taylor, home_unknowns(problem.equations), follow=False)
@@ -117,10 +115,11 @@ def _turned(problem: Problem, values: Array, random: np.random.Generator) -> Arr
     What a turning frame carries is seen from all sides in this way, wherever home is.
     """
     equations = problem.equations
-    if not equations.turning:
+    frames = [frame.coordinate for frame in equations.rig.frames]
+    pairs = [(cos, sin) for name, cos, sin in equations.turning if name in frames]
+    if not pairs:
         return values
     angles = random.permutation(np.linspace(0.0, 2.0 * np.pi, values.shape[1], endpoint=False))
-    pairs = [(cos, sin) for _, cos, sin in equations.turning]
     names = equations.names
     pairs += [
         (i, names.index(f"{name[:-1]}y"))

@@ -194,7 +194,7 @@ class _InPython:
         if not _kept_on(spans, self.spans):
             return Status.REVERSED, None
         self.carried, self.angles, self.spans, self.largest = carried, angles, spans, largest
-        pulls = tensions.tolist()
+        pulls = tensions[list(self.problem.rig.pulling)].tolist()
         slack = min(pulls, default=0.0) < -SLACK * max(map(abs, pulls), default=0.0)
         step = Step(inputs, tensions, positions, velocities, accelerations, slack)
         return Status.SLACK if slack else Status.OK, step

@@ -33,7 +33,7 @@ def begin_of(rig: Rig, start: ArrayLike | State) -> State:
     motion = solve(rig, hold(np.asarray(start)), 0.0)
     for slack in motion.slack[:1]:
         raise PathError(
-            f"rope {slack.rope} would have to push at the start of the stream "
+            f"{slack.kind} {slack.rope} would have to push at the start of the stream "
             f"({slack.lowest:.4g} N)"
         )
     return motion.at(0.0)

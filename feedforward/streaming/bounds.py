@@ -41,6 +41,7 @@ class Bounds:
         rig, equations = problem.rig, problem.equations
         self.share, self.margin, self.weight = share, margin, rig.weight
         self._limits = np.array([drive.limit for drive in rig.drives])[:, None]
+        self._pulling = list(rig.pulling)
         rows: list[Array] = []
 
         def bound(terms: dict[str, float], constant: float) -> None:
@@ -58,11 +59,11 @@ class Bounds:
             if math.isfinite(rail.end):
                 bound({trolley.coordinate: -1.0}, rail.end - away)
         home = home_unknowns(equations)[: len(equations.names), 0]
-        for row in np.vstack(equations.span_lengths):
+        for row in (row for rows in equations.span_lengths for row in rows):
             length = float(row[:-1] @ home + row[-1])
             used = {equations.names[i]: row[i] / length for i in np.flatnonzero(row[:-1])}
             bound(used, row[-1] / length - SHORTEST)
-        for platform in rig.platforms:
+        for platform in rig.platforms if rig.dimensions == 3 else ():
             for sign in (1.0, -1.0):
                 bound({platform.angles[1]: sign}, STEEPEST)
         self._rows = np.array(rows).reshape(len(rows), len(names) + 1)
@@ -77,7 +78,7 @@ class Bounds:
         return np.vstack(
             (
                 self.share - np.abs(rig.inputs) / self._limits,
-                (rig.tensions - self.margin) / self.weight,
+                (rig.tensions[self._pulling] - self.margin) / self.weight,
                 self._rows[:, :-1] @ rig.positions + self._rows[:, -1:],
             )
         )

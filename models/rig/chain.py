@@ -59,6 +59,9 @@ def links(rig: Rig) -> tuple[Link, ...]:
         Ropes tie together what cannot sit on one chain.
     """
     refuse_nested(rig.name, rig.frames)
+    if rig.links or (rig.platforms and rig.dimensions == 2):
+        part = "links" if rig.links else "platforms in a plane"
+        raise ModelError(f"rig {rig.name} has {part}, of which there is no MuJoCo model yet")
     components = _components(rig)
     carriers = [_carrier(rig, members) for members in components]
     chain: list[Link] = []

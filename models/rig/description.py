@@ -7,6 +7,7 @@ from typing import Literal, TypeVar
 
 from ..errors import RigError, did_you_mean
 from ..values import Home, Vector
+from .link import Link
 from .parts import (
     WORLD,
     Anchor,
@@ -51,6 +52,12 @@ class Description:
     """Number of dimensions; with 2, everything stays in the plane y = 0."""
     gravity: float = 9.81
     """Acceleration of gravity along -z [m/s2]."""
+    links: tuple[Link, ...] = ()
+    """Slings, pendants and struts of constant length."""
+    held: tuple[str, ...] = ()
+    """Coordinates of loads and platforms that symmetry keeps at home, such as that across the plane
+    in which a spreader hangs.  Their equations are left out, and `feedforward.solve` looks whether
+    they hold: whether nothing would move these freedoms if they were let go."""
 
     @cached_property
     def input_names(self) -> tuple[str, ...]:
@@ -75,9 +82,45 @@ class Description:
         names += [rope.coordinate for rope in self.ropes]
         names += [f"{load.name}.{axis}" for load in self.loads for axis in self.axes]
         for platform in self.platforms:
-            names += [f"{platform.name}.{axis}" for axis in "xyz"]
-            names += platform.angles
+            names += [f"{platform.name}.{axis}" for axis in self.axes]
+            names += self.angles_of(platform)
         return tuple(names)
+
+    @cached_property
+    def tension_names(self) -> tuple[str, ...]:
+        """Names of what has a tension: ropes, then links."""
+        return (*self.rope_names, *(link.name for link in self.links))
+
+    @cached_property
+    def pushing(self) -> frozenset[str]:
+        """Names of the ropes and links that can push as well as pull."""
+        parts: tuple[Rope | Link, ...] = (*self.ropes, *self.links)
+        return frozenset(part.name for part in parts if part.pushes)
+
+    @cached_property
+    def pulling(self) -> tuple[int, ...]:
+        """Columns of `tension_names` whose tensions have to be positive."""
+        names = enumerate(self.tension_names)
+        return tuple(column for column, name in names if name not in self.pushing)
+
+    def spoken(self, name: str) -> str:
+        """Whether it is a rope or a link, and its name."""
+        return f"{'rope' if name in self.rope_names else 'link'} {name}"
+
+    def angles_of(self, platform: Platform) -> tuple[str, ...]:
+        """Names of a platform's angles: all three, or in a plane that about y alone."""
+        return platform.angles if self.dimensions == 3 else (platform.angles[1],)
+
+    @property
+    def platform_angles(self) -> tuple[str, ...]:
+        """Names of the angles of all platforms."""
+        return tuple(angle for part in self.platforms for angle in self.angles_of(part))
+
+    @cached_property
+    def angles(self) -> frozenset[str]:
+        """Names of the coordinates that are angles, of frames and platforms."""
+        turning = [frame.coordinate for frame in self.frames if frame.kind == "turning"]
+        return frozenset((*turning, *self.platform_angles))
 
     @property
     def trolleys(self) -> tuple[Trolley, ...]:

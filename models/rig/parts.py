@@ -14,7 +14,7 @@ FRICTIONLESS = Friction()
 """Of a part that does not rub."""
 
 
-class _Part:
+class Part:
     """Checks the type of every field when it is made."""
 
     def __post_init__(self) -> None:
@@ -22,7 +22,7 @@ class _Part:
 
 
 @dataclass(frozen=True)
-class Frame(_Part):
+class Frame(Part):
     """A structure that carries rails, anchors and other frames, and has one degree of freedom.
 
     Its axes are its parent's where it turns by nothing.
@@ -64,7 +64,7 @@ class Frame(_Part):
 
 
 @dataclass(frozen=True)
-class Anchor(_Part):
+class Anchor(Part):
     """A point fixed in a frame: where a winch or a deflection pulley is mounted."""
 
     name: str
@@ -77,7 +77,7 @@ class Anchor(_Part):
 
 
 @dataclass(frozen=True)
-class Rail(_Part):
+class Rail(Part):
     """A straight rail fixed in a frame, from `start` to `end` along `direction`."""
 
     name: str
@@ -95,7 +95,7 @@ class Rail(_Part):
 
 
 @dataclass(frozen=True)
-class Trolley(_Part):
+class Trolley(Part):
     """A point mass on a rail; coordinate `NAME.position` [m] along it."""
 
     name: str
@@ -114,7 +114,7 @@ class Trolley(_Part):
 
 
 @dataclass(frozen=True)
-class Load(_Part):
+class Load(Part):
     """A point mass free to move, a load or a free pulley; coordinates `NAME.x`, `.y`, `.z` [m].
 
     A planar rig has no `NAME.y`.
@@ -129,11 +129,12 @@ class Load(_Part):
 
 
 @dataclass(frozen=True)
-class Platform(_Part):
+class Platform(Part):
     """A rigid body hung from ropes.
 
     Coordinates: `NAME.x`, `.y`, `.z` of its centre of mass [m], and its Bryant angles `NAME.alpha`,
-    `.beta`, `.gamma` [rad]: it is turned by Rx(alpha) Ry(beta) Rz(gamma) (Y 6.56, 6.71).
+    `.beta`, `.gamma` [rad]: it is turned by Rx(alpha) Ry(beta) Rz(gamma) (Y 6.56, 6.71).  In a
+    planar rig `NAME.x`, `.z` and `.beta`.
     """
 
     name: str
@@ -145,12 +146,12 @@ class Platform(_Part):
 
     @property
     def angles(self) -> tuple[str, str, str]:
-        """Names of its Bryant angles alpha, beta and gamma."""
+        """Names of its Bryant angles alpha, beta and gamma; in a plane it has beta alone."""
         return (f"{self.name}.alpha", f"{self.name}.beta", f"{self.name}.gamma")
 
 
 @dataclass(frozen=True)
-class Combination(_Part):
+class Combination(Part):
     """A weighted sum of coordinates that a reference can prescribe; it is an output by its name."""
 
     name: str
@@ -162,7 +163,7 @@ class Combination(_Part):
 
 
 @dataclass(frozen=True)
-class Sheave(_Part):
+class Sheave(Part):
     """A pulley with inertia at an inner point of a rope's path."""
 
     at: str
@@ -174,7 +175,7 @@ class Sheave(_Part):
 
 
 @dataclass(frozen=True)
-class Rope(_Part):
+class Rope(Part):
     """An inextensible rope from a winch at `path[0]` through points to its end at `path[-1]`.
 
     Coordinates: `NAME.length`, the whole length [m], and for a path of more than two points
@@ -204,6 +205,8 @@ class Rope(_Part):
     """Largest whole length, all that the drum has [m]."""
     two_block: float = 0.0
     """Length of the last span at which its end meets the point that it hangs from [m]."""
+    pushes: bool = False
+    """Whether it can push as well as pull: a hydraulic cylinder or a rack in place of a rope."""
 
     @property
     def coordinate(self) -> str:
@@ -221,7 +224,7 @@ class Rope(_Part):
 
 
 @dataclass(frozen=True)
-class Drive(_Part):
+class Drive(Part):
     """An input: a torque on a turning frame or a rope's winch, a force on a slide or trolley.
 
     All its limits are those of its motor, which stands before the gear.

@@ -18,6 +18,7 @@ Units are SI, z points up, a rope's length grows when its winch pays out, and a 
 torque is positive when it pays out.
 """
 
+import math
 from dataclasses import dataclass
 from typing import overload
 
@@ -26,6 +27,8 @@ from ..values import Home, Vector, clean, shown
 from . import limit_checks, validation
 from .description import Description, named
 from .frames import outwards, parents_first
+from .link import Link
+from .link_checks import check_held, check_links
 from .parts import (
     WORLD,
     Anchor,
@@ -47,6 +50,7 @@ __all__ = [
     "Drive",
     "Frame",
     "Home",
+    "Link",
     "Load",
     "Platform",
     "Rail",
@@ -78,11 +82,9 @@ class Rig(Description):
         """Check the rig whole, part by part and then how the parts fit together."""
         planar = self.dimensions == 2
         bodies = (*self.frames, *self.anchors, *self.rails, *self.masses)
-        parts = (*bodies, *self.ropes, *self.combinations)
+        parts = (*bodies, *self.ropes, *self.links, *self.combinations)
         ends: tuple[Anchor | Trolley | Load, ...] = (*self.anchors, *self.trolleys, *self.loads)
         points = [end.name for end in ends]
-        angles = [frame.coordinate for frame in self.frames if frame.kind == "turning"]
-        angles += [angle for platform in self.platforms for angle in platform.angles]
         known = [*self.coordinate_names, *(p.name for p in self.combinations)]
 
         validation.check_space(self.name, self.dimensions, self.gravity)
@@ -91,12 +93,15 @@ class Rig(Description):
         validation.check_parts(self.name, bodies, planar=planar)
         validation.check_ropes(self.ropes, points)
         limit_checks.check_drives(self.name, self.drives, self._drivable, self.loads)
-        validation.check_combinations(self.combinations, self.coordinate_names, angles)
+        validation.check_combinations(self.combinations, self.coordinate_names, self.angles)
         validation.check_outputs(self.name, self.outputs, known, len(self.drives))
         validation.check_home(self.home, self.frames, self.masses, planar=planar)
         for trolley in self.trolleys:
             validation.check_trolley(trolley, self.home_of(trolley), self.rail(trolley.rail))
-        validation.check_spans(self.ropes, {name: self.home_point(name) for name in points})
+        places = {name: self.home_point(name) for name in points}
+        validation.check_spans(self.ropes, places)
+        check_links(self.links, places, {anchor.name: anchor.frame for anchor in self.anchors})
+        check_held(self)
 
     @overload
     def home_of(self, part: Frame | Trolley) -> float: ...
@@ -109,6 +114,11 @@ class Rig(Description):
         free = isinstance(part, Load | Platform)
         return self.home.get(part.name, (0.0, 0.0, 0.0) if free else 0.0)
 
+    def link_length(self, link: Link) -> float:
+        """Length of a link, that at home if none is given [m]."""
+        first, second = (self.home_point(end) for end in link.ends)
+        return math.dist(first, second) if link.length is None else link.length
+
     @property
     def home_coordinates(self) -> dict[str, float]:
         """Home values [m], [rad] of all coordinates but ropes', by name."""
@@ -117,7 +127,7 @@ class Rig(Description):
         for part in self.hanging:
             place = dict(zip("xyz", self.home_of(part), strict=True))
             values |= {f"{part.name}.{axis}": place[axis] for axis in self.axes}
-        return values | {angle: 0.0 for part in self.platforms for angle in part.angles}
+        return values | dict.fromkeys(self.platform_angles, 0.0)
 
     def home_point(self, name: str) -> Vector:
         """Position in the world of an anchor, trolley, load or platform at home [m].

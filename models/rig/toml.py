@@ -2,9 +2,9 @@
 
 A file holds the fields of `Rig` by their names, each kind of part as an array of tables
 (`[[frames]]`, `[[anchors]]`, `[[rails]]`, `[[trolleys]]`, `[[loads]]`, `[[platforms]]`,
-`[[ropes]]` with `[[ropes.sheaves]]`, `[[combinations]]`, `[[drives]]`), `[home]`, and a `[move]`
-if it has one.  A part that rubs has `friction = {coulomb = 2.0, viscous = 80.0}`.  Instead of
-parts it may name a rig of the catalogue, with overrides:
+`[[ropes]]` with `[[ropes.sheaves]]`, `[[links]]`, `[[combinations]]`, `[[drives]]`), `[home]`, and
+a `[move]` if it has one.  A part that rubs has `friction = {coulomb = 2.0, viscous = 80.0}`.
+Instead of parts it may name a rig of the catalogue, with overrides:
 
     rig = "overhead_crane"
     load_mass = 80.0
@@ -36,6 +36,7 @@ from .rig import (
     Combination,
     Drive,
     Frame,
+    Link,
     Load,
     Platform,
     Rail,
@@ -54,13 +55,14 @@ _PARTS = {
     "loads": Load,
     "platforms": Platform,
     "ropes": Rope,
+    "links": Link,
     "combinations": Combination,
     "drives": Drive,
 }
 LARGEST = 2**20
 """Size of a file beyond which it is none of a rig [bytes]."""
 FORM = "{coulomb = 2.0, viscous = 80.0}"
-_PLAIN = ("name", "dimensions", "gravity", "outputs", "home")
+_PLAIN = ("name", "dimensions", "gravity", "outputs", "home", "held")
 
 
 def load(path: str | Path) -> tuple[Rig, Move | None]:
@@ -145,6 +147,8 @@ def dumps(rig: Rig, move: Move | None = None) -> str:
         "outputs": list(rig.outputs),
         "home": dict(rig.home),
     }
+    if rig.held:
+        table["held"] = list(rig.held)
     for kind in _PARTS:
         parts = getattr(rig, kind)
         if parts:

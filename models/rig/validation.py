@@ -7,7 +7,7 @@ RigError
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import pairwise
 
 from ..errors import RigError, did_you_mean
@@ -77,7 +77,7 @@ def check_parts(rig: str, parts: Sequence[Part], *, planar: bool) -> None:
             _known(label, part.rail, _names(parts, Rail))
             _positive(label, "mass", part.mass, "kg")
         elif isinstance(part, Platform):
-            _check_platform(label, part, planar=planar)
+            _check_platform(label, part)
         elif isinstance(part, Load) and part.mass < 0:
             raise RigError(f"{label}: mass is {part.mass:g} kg, it must be >= 0")
     if not any(isinstance(part, Load | Platform) and part.mass > 0 for part in parts):
@@ -88,7 +88,7 @@ def _names(parts: Iterable[Part], *kinds: type[Part]) -> list[str]:
     return [part.name for part in parts if isinstance(part, kinds)]
 
 
-def _check_platform(label: str, platform: Platform, *, planar: bool) -> None:
+def _check_platform(label: str, platform: Platform) -> None:
     _positive(label, "mass", platform.mass, "kg")
     for moment in platform.inertia:
         _positive(label, "a principal moment of inertia", moment, "kg m2")
@@ -97,8 +97,6 @@ def _check_platform(label: str, platform: Platform, *, planar: bool) -> None:
         raise RigError(
             f"{label}: inertia is {platform.inertia}, no moment can exceed the sum of the others"
         )
-    if planar:
-        raise RigError(f"{label}: a planar rig has no platform; take 3 dimensions")
 
 
 def _unit(label: str, quantity: str, vector: Vector) -> None:
@@ -136,7 +134,7 @@ def check_ropes(ropes: Iterable[Rope], points: Sequence[str]) -> None:
 
 
 def check_combinations(
-    combinations: Iterable[Combination], coordinates: Iterable[str], angles: Sequence[str]
+    combinations: Iterable[Combination], coordinates: Iterable[str], angles: Collection[str]
 ) -> None:
     """Combinations weigh coordinates, none of which is one of the `angles`."""
     lengths = [name for name in coordinates if name not in angles]

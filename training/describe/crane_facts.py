@@ -85,6 +85,7 @@ def feasibility_facts(report: Feasibility) -> dict[str, Any]:
             for part in report.slack
         ],
         "ropes": list(_ropes(report)),
+        "links": list(_links(report)),
         "trolleys": list(_trolleys(report)),
     }
 
@@ -92,9 +93,18 @@ def feasibility_facts(report: Feasibility) -> dict[str, Any]:
 def _ropes(report: Feasibility) -> Iterable[dict[str, Any]]:
     if report.motion is None:
         return
-    columns = report.motion.tensions.T, report.motion.rope_lengths.T
+    ropes = report.motion.tensions[:, : len(report.rig.ropes)]
+    columns = ropes.T, report.motion.rope_lengths.T
     for name, tensions, lengths in zip(report.rig.rope_names, *columns, strict=True):
         yield {"name": name} | _range("tension", "N", tensions) | _range("length", "m", lengths)
+
+
+def _links(report: Feasibility) -> Iterable[dict[str, Any]]:
+    if report.motion is None:
+        return
+    columns = report.motion.tensions[:, len(report.rig.ropes) :].T
+    for link, tensions in zip(report.rig.links, columns, strict=True):
+        yield {"name": link.name} | _range("tension", "N", tensions)
 
 
 def _trolleys(report: Feasibility) -> Iterable[dict[str, Any]]:

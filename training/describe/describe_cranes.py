@@ -197,9 +197,11 @@ def _show_motion(motion: feedforward.Motion, reference: feedforward.Reference) -
     for drive, values in zip(rig.drives, motion.inputs.T, strict=True):
         label = f"input {drive.name} [{feedforward.driven_unit(rig, drive)}]"
         add_input(rows, label, values, drive.limit)
-    for name, values in zip(rig.rope_names, motion.tensions.T, strict=True):
-        note = "" if (values > 0).all() else warning("would have to push")
-        rows.add_row(f"tension of {name} [N]", *range_cells(values), "> 0", note)
+    for name, values in zip(rig.tension_names, motion.tensions.T, strict=True):
+        pushes = name in rig.pushing
+        note = "" if pushes or (values > 0).all() else warning("would have to push")
+        bound = "" if pushes else "> 0"
+        rows.add_row(f"tension of {name} [N]", *range_cells(values), bound, note)
     for name, values in zip(rig.rope_names, motion.rope_lengths.T, strict=True):
         rows.add_row(f"length of {name} [m]", *range_cells(values), "", "")
     for trolley in rig.trolleys:
