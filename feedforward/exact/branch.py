@@ -21,6 +21,7 @@ from ..paths.reference import Reference, taylor_of
 from ..series.products import factorials
 from .between import look_between
 from .equations import Equations
+from .held_freedoms import stay_held
 from .home import approach, home_unknowns
 from .problem import Problem
 from .pulleys import LOOKS, has_light_pulley, settle
@@ -146,6 +147,7 @@ def branch_of(
     times, solution = _follow(problem, reference, outset)
     path = solution.values
     stay_on_rails(problem.rig, equations.names, path, times)
+    stay_held(problem, solution, times)
     look_between(problem, reference, outset.signs, times, solution)
     rates = np.gradient(path, times[1], axis=1)
     for j, coefficients in enumerate(solution.series):

@@ -15,6 +15,7 @@ from functools import cached_property, lru_cache
 from ...models.rig.rig import Rig, require_rig
 from .assembly import assemble
 from .equations import Equations
+from .redundancy import refuse_redundant
 from .servo import Servo, servo_constraints
 from .steps import Step, plan
 from .structure import Analysis, analyse_equations
@@ -49,6 +50,7 @@ class Problem:
     @cached_property
     def analysis(self) -> Analysis:
         """Structure of the equations with the servo constraints."""
+        refuse_redundant(self.equations)
         return analyse_equations(self.equations, self.servo)
 
     @cached_property

@@ -11,6 +11,7 @@ from ..checks import check_duration, check_order, every
 from ..paths.reference import Reference
 from ..paths.turning import FixedAxis
 from .equations import Equations
+from .held_freedoms import what_is_missing
 from .problem import Problem
 from .slackness import falling, gone_slack
 from .taylor import Solution
@@ -54,6 +55,7 @@ def accept_flat(problem: Problem) -> None:
         raise RigError(
             f"rig {problem.rig.name} is not flat: its outputs leave "
             f"{problem.analysis.degrees_of_freedom} degrees of freedom undetermined"
+            f"{what_is_missing(problem)}"
         )
 
 
