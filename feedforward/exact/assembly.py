@@ -4,17 +4,19 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ...models.rig.frames import refuse_nested
 from ...models.rig.lengths import own_spans
 from ...models.rig.rig import WORLD, Frame, Link, Load, Platform, Rig, Rope, Trolley
 from ...models.rig.unsolved import refuse_unsolved
 from ...models.types import Array
 from .equations import Constraint, Equations, Orientation
+from .frame_rows import Frames, swung
+
+MORE = 6
+"""Coordinates that a frame may add at most: its two directions across its axis."""
 
 
 def assemble(rig: Rig) -> Equations:
     """The equations of motion of a rig."""
-    refuse_nested(rig.name, rig.frames)
     refuse_unsolved(rig)
     return _Builder(rig).build()
 
@@ -26,7 +28,8 @@ class _Builder:
         self.rig = rig
         self.points = (*rig.anchors, *rig.masses)
         self.names = self._coordinates()
-        n = len(self.names)
+        self.frames = Frames(self)
+        n = self.room = len(self.names) + MORE * len(rig.frames)
         self.mass = np.zeros((n, n))
         self.force = np.zeros(n)
         self.constraints: list[Array] = []
@@ -34,7 +37,7 @@ class _Builder:
         self.inputs = np.zeros((n, len(rig.drives), n + 1))
 
     def build(self) -> Equations:
-        self._frames()
+        self.frames.add_bodies()
         self._masses()
         self._platforms()
         spans, lengths = [], []
@@ -44,9 +47,14 @@ class _Builder:
             lengths.append(rows)
         links = tuple(self._link(link) for link in self.rig.links)
         self._drives()
-        n = len(self.names)
-        stacked = np.array(self.constraints).reshape(-1, n + 1, n + 1)
         points = {part.name: self.position(part.name) for part in self.points}
+        stacked = np.array(self.constraints).reshape(-1, self.room + 1, self.room + 1)
+        stacked = self._trimmed(self._trimmed(stacked, 1), 2)
+        self.mass = self._trimmed(self._trimmed(self.mass, 0), 1)
+        self.force = self._trimmed(self.force, 0)
+        self.inputs = self._trimmed(self._trimmed(self.inputs, 0), 2)
+        lengths = [self._trimmed(rows, 1) for rows in lengths]
+        points = {name: self._trimmed(rows, 1) for name, rows in points.items()}
         for array in (self.mass, self.force, stacked, self.inputs, *lengths, *points.values()):
             array.flags.writeable = False
         return Equations(
@@ -84,8 +92,7 @@ class _Builder:
             names += [f"{rope.name}.span{i}" for i in own_spans(self.rig, rope)]
         for trolley in rig.trolleys:
             frame = rig.frame(rig.rail(trolley.rail).frame)
-            if frame is not None and frame.kind == "turning":
-                names += [f"{trolley.name}.x", f"{trolley.name}.y"]
+            names += [f"{trolley.name}.{axis}" for axis in swung(rig, frame)]
         for platform in self._in_space():
             names += [f"{platform.name}.d{i}{axis}" for i in (1, 2, 3) for axis in "xyz"]
         for platform in self._in_plane():
@@ -105,16 +112,26 @@ class _Builder:
         turning = [(f.coordinate, f.name) for f in self.rig.frames if f.kind == "turning"]
         return turning + [(p.angles[1], p.name) for p in self._in_plane()]
 
+    def _trimmed(self, table: Array, axis: int) -> Array:
+        """Without the room for coordinates that no frame has needed."""
+        unused = range(len(self.names), self.room)
+        return np.ascontiguousarray(np.delete(table, unused, axis)) if unused else table
+
     def index(self, name: str) -> int:
         return self.names.index(name)
 
     def row(self, name: str | None = None, constant: float = 0.0) -> Array:
         """The affine row of one coordinate, or of a constant."""
-        row = np.zeros(len(self.names) + 1)
+        row = np.zeros(self.room + 1)
         if name is not None:
             row[self.index(name)] = 1.0
         row[-1] = constant
         return row
+
+    def fresh(self, name: str) -> Array:
+        """The affine row of one more coordinate."""
+        self.names.append(name)
+        return self.row(name)
 
     def constrain(self, constraint: Constraint, *products: tuple[float, Array, Array]) -> None:
         """Add the constraint that a sum of weighted products of affine rows vanishes."""
@@ -127,6 +144,11 @@ class _Builder:
         for row in rows:
             self.mass += mass * np.outer(row[:-1], row[:-1])
 
+    def add_coupling(self, moment: float, first: Array, second: Array) -> None:
+        """Add the kinetic energy moment d/dt first . d/dt second of affine vectors."""
+        for one, other in zip(first[:, :-1], second[:, :-1], strict=True):
+            self.mass += moment * (np.outer(one, other) + np.outer(other, one))
+
     def add_weight(self, mass: float, place: Array) -> None:
         """Add gravity on a mass at an affine place (3, n + 1)."""
         self.force -= mass * self.rig.gravity * place[2, :-1]
@@ -138,29 +160,6 @@ class _Builder:
         unit = Constraint(f"{name}.unit", name, "unit", None)
         self.constrain(unit, *((0.5, row, row) for row in pair), (-0.5, unity, unity))
 
-    def _frames(self) -> None:
-        for frame in self.rig.frames:
-            if frame.kind == "turning":
-                pair = self.row(f"{frame.name}.cos"), self.row(f"{frame.name}.sin")
-                self._turn(frame.name, frame.along, *pair)
-            else:
-                self.add_inertia(frame.along, self.row(frame.coordinate))
-                self.add_weight(frame.along, self._origin(frame))
-
-    def _in_frame(self, frame: Frame | None, vector: tuple[float, float, float]) -> Array:
-        """World direction of a vector fixed in a frame, affine, shape (3, n + 1)."""
-        x, y, z = vector
-        if frame is None or frame.kind == "sliding":
-            return np.array([self.row(constant=value) for value in vector])
-        cos, sin = self.row(f"{frame.name}.cos"), self.row(f"{frame.name}.sin")
-        return np.array([x * cos - y * sin, x * sin + y * cos, self.row(constant=z)])
-
-    def _origin(self, frame: Frame | None) -> Array:
-        """World position of a frame's origin, affine, shape (3, n + 1)."""
-        if frame is None or frame.kind == "turning":
-            return np.zeros((3, len(self.names) + 1))
-        return np.outer(frame.axis, self.row(frame.coordinate))
-
     def position(self, name: str) -> Array:
         """World position of a point, affine, shape (3, n + 1)."""
         part = next(p for p in self.points if p.name == name)
@@ -171,18 +170,19 @@ class _Builder:
         if isinstance(part, Trolley):
             rail = self.rig.rail(part.rail)
             frame = self.rig.frame(rail.frame)
-            along = self.row(part.coordinate)
-            height = self.row(constant=rail.origin[2]) + rail.direction[2] * along
-            if frame is not None and frame.kind == "turning":
-                return np.array([self.row(f"{name}.x"), self.row(f"{name}.y"), height])
-            fixed = self._origin(frame) + self._in_frame(frame, rail.origin)
-            return fixed + np.outer(rail.direction, along)
+            along, origin = self.row(part.coordinate), self.frames.place(frame).point(rail.origin)
+            steps = self.frames.place(frame).direction(rail.direction)
+            moved = swung(self.rig, frame)
+            return np.array([
+                self.row(f"{name}.{axis}") if axis in moved else start + step[-1] * along
+                for axis, start, step in zip("xyz", origin, steps, strict=True)
+            ])  # fmt: skip
         platform = self.rig.platform(part.frame)
         if platform is not None:
             shares = zip(part.position, self.directors(platform), strict=True)
             return self.position(platform.name) + sum(share * rows for share, rows in shares)
         frame = None if part.frame == WORLD else self.rig.frame(part.frame)
-        return self._origin(frame) + self._in_frame(frame, part.position)
+        return self.frames.place(frame).point(part.position)
 
     def _masses(self) -> None:
         unity = self.row(constant=1.0)
@@ -190,14 +190,15 @@ class _Builder:
             rows = self.position(part.name)
             self.add_inertia(part.mass, *rows)
             self.add_weight(part.mass, rows)
-            if not isinstance(part, Trolley) or f"{part.name}.x" not in self.names:
+            if not isinstance(part, Trolley):
                 continue
             rail = self.rig.rail(part.rail)
             frame = self.rig.frame(rail.frame)
-            origin = self._in_frame(frame, rail.origin)
-            direction = self._in_frame(frame, rail.direction)
+            origin = self.frames.place(frame).point(rail.origin)
+            direction = self.frames.place(frame).direction(rail.direction)
             along = self.row(part.coordinate)
-            for axis, letter in enumerate("xy"):
+            for letter in swung(self.rig, frame):
+                axis = "xyz".index(letter)
                 name, moved = f"{part.name}.rail_{letter}", self.index(f"{part.name}.{letter}")
                 self.constrain(
                     Constraint(name, part.name, "rail", moved),

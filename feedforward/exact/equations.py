@@ -7,7 +7,8 @@ In redundant coordinates q every term is a polynomial of degree two or less:
 
 with a constant mass matrix M, possibly singular (Y 5.102, K 3.39).  To make them so
 
-- a turning frame has the cosine and the sine of its angle as coordinates,
+- a turning frame has the cosine and the sine of its angle as coordinates, and a frame on a turning
+  one those components of its directions and origin that something stands on (`frame_rows`),
 - a trolley on a turning rail has, besides its position along the rail, those Cartesian
   coordinates that the turning moves,
 - a rope's spans but one, mostly the last, have their lengths as coordinates (K 3.41),
@@ -43,12 +44,12 @@ class Constraint(NamedTuple):
     name: str
     owner: str
     """Name of the part that it belongs to."""
-    role: Literal["unit", "rail", "director", "span", "link"]
-    """The unit length of the cosine and sine of a frame or a planar platform; a coordinate of a
-    trolley on a turning rail; a product of two of a platform's directors; the length of a rope's
-    span; that of a link."""
+    role: Literal["unit", "frame", "rail", "director", "span", "link"]
+    """The unit length of the cosine and sine of a frame or a planar platform; a component of the
+    direction or origin of a frame on a turning one; a coordinate of a trolley on a turning rail; a
+    product of two of a platform's directors; the length of a rope's span; that of a link."""
     coordinate: int | None
-    """Index of the coordinate that follows from it: of a rail's and a span's."""
+    """Index of the coordinate that follows from it: of a frame's, a rail's and a span's."""
 
 
 class Orientation(NamedTuple):
@@ -102,6 +103,14 @@ class Equations:
     def constraint_names(self) -> tuple[str, ...]:
         """Names of the m constraints."""
         return tuple(constraint.name for constraint in self.roles)
+
+    @cached_property
+    def hidden(self) -> frozenset[int]:
+        """Coordinates that stand for a part's angle, or follow from angles."""
+        pairs = {i for _, cos, sin in self.turning for i in (cos, sin)}
+        directors = {i for orientation in self.orientations for i in orientation.directors}
+        frames = {self.roles[k].coordinate for k in self.with_role("frame")}
+        return frozenset(i for i in pairs | directors | frames if i is not None)
 
     def with_role(self, *roles: str, owner: str | None = None) -> tuple[int, ...]:
         """Indices of the constraints of some role, of one part if an owner is named."""
@@ -243,8 +252,9 @@ def _check_names(rig: Rig, *tables: Mapping[str, Array]) -> None:
 
 
 def _put_on_rails(equations: Equations, q: Array, v: Array) -> None:
-    """Set the Cartesian coordinates of trolleys on turning rails, whatever they were."""
-    for k in equations.with_role("rail"):  # Phi is the coordinate less what the rail prescribes
+    """Set the coordinates of frames on frames and trolleys on rails, whatever they were."""
+    # Phi is the coordinate less what it follows from: an earlier one's, or a given one.
+    for k in equations.with_role("frame", "rail"):
         i = equations.roles[k].coordinate
         slope = equations.constraint_jacobian(q)[..., k, :]
         q[..., i] -= equations.constraint_values(q)[..., k]

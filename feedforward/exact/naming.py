@@ -83,9 +83,7 @@ def _held(equations: Equations, shape: tuple[int, ...]) -> dict[str, Array]:
 
 def coordinate_names(equations: Equations) -> tuple[str, ...]:
     """Of a motion's columns: the rig's coordinates, then auxiliary ones of the equations."""
-    hidden = {i for orientation in equations.orientations for i in orientation.directors}
-    hidden |= {i for _, cos, sin in equations.turning for i in (cos, sin)}
-    auxiliary = [name for i, name in enumerate(equations.names) if i not in hidden]
+    auxiliary = [name for i, name in enumerate(equations.names) if i not in equations.hidden]
     return tuple(dict.fromkeys((*equations.rig.coordinate_names, *auxiliary)))
 
 

@@ -44,6 +44,24 @@ class Step(NamedTuple):
     loose: bool
     """Whether it places a pulley without mass, which has no place of its own where its ropes are
     straight; the limit does, and is followed by steps of least norm."""
+    follows: tuple[tuple[int, int], ...] = ()
+    """Equations and unknowns, by their places here, of which the one says the other by itself."""
+
+    def reduced(self, matrix: Array) -> Array:
+        """A matrix of slopes (k, k, N) without the unknowns that follow from others by themselves.
+
+        Its determinant is the same but for the sign, and says more: what is left has comparable
+        equations, where those of a chain of frames multiply the sizes of all its directions.
+        """
+        if not self.follows:
+            return matrix
+        matrix = matrix.copy()
+        for i, j in self.follows:
+            share, own = matrix[:, j].copy(), matrix[i].copy()
+            matrix -= share[:, None] * own
+            matrix[i] = own
+        rows, columns = zip(*self.follows, strict=True)
+        return np.delete(np.delete(matrix, rows, axis=0), columns, axis=1)
 
     def jacobian(self, series: Series) -> Array:
         """Slopes of the equations, shape (equations, unknowns, N)."""
@@ -94,7 +112,13 @@ def plan(analysis: Analysis, further: int = 0) -> tuple[Step, ...]:
                 )
                 kind = _kind(rows, columns)
                 loose = kind in ("linear", "newton") and not analysis.massless.isdisjoint(unknowns)
-                steps.append(Step(rows, columns, slopes, kind, number, loose))
+                places = {column: place for place, column in enumerate(columns)}
+                follows = tuple(
+                    (i, places[row.follows, order])
+                    for i, (row, order) in enumerate(rows)
+                    if row.follows is not None and (row.follows, order) in places
+                )
+                steps.append(Step(rows, columns, slopes, kind, number, loose, follows))
     return tuple(steps)
 
 

@@ -47,6 +47,8 @@ class Row:
     """(a, j, k): a w_j w_k"""
     output: int | None = None
     """Column of what is prescribed that is subtracted."""
+    follows: int | None = None
+    """Unknown that a constraint of a frame's direction says from others, with factor 1."""
 
     @property
     def name(self) -> str:
@@ -142,6 +144,7 @@ def analyse_equations(equations: Equations, servo: Servo) -> Analysis:
 
 def _rows(equations: Equations, servo: Servo) -> tuple[Row, ...]:
     n, m = len(equations.names), len(equations.constraint_names)
+    frames = equations.with_role("frame")
     rows = []
     for i, name in enumerate(equations.names):
         pulls = equations.constraints[:, i, :]
@@ -176,6 +179,7 @@ def _rows(equations: Equations, servo: Servo) -> tuple[Row, ...]:
                     for i in range(n)
                     for j in range(i, n)
                 ),
+                follows=equations.roles[k].coordinate if k in frames else None,
             )
         )
     for column, (name, terms) in enumerate(zip(servo.names, servo.rows, strict=True)):

@@ -105,6 +105,8 @@ def expand(
                 continue
             side = sides.get(step.block) if sides else None
             determinant, matrix = _solve(step, series, reference, guess, follow, side)
+            if matrix is not None:
+                matrix = step.reduced(matrix)
             if step.loose:
                 straight |= _sign(_share(determinant, matrix)) == 0
             elif step.block not in signs:

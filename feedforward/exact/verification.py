@@ -6,6 +6,7 @@ from ...models.errors import OptionError
 from ...models.types import Array
 from ..paths.reference import Reference
 from ..series.rotation import matrix
+from .equations import Equations
 from .motion import Motion
 from .problem import Problem, problem_of
 from .refusal import accept_columns
@@ -56,26 +57,42 @@ def residuals(motion: Motion, reference: Reference) -> Array:
 
 def _unknowns(problem: Problem, motion: Motion) -> tuple[list[Array], list[Array]]:
     """All unknowns and their second derivatives, in the order of the analysis."""
-    table: dict[str, tuple[Array, Array]] = {}
+    equations = problem.equations
+    table: dict[str, tuple[Array, Array, Array]] = {}
     for i, name in enumerate(motion.coordinate_names):
-        table[name] = motion.positions[:, i], motion.accelerations[:, i]
-    unknown = problem.equations.names
-    for coordinate, c, s in problem.equations.turning:
-        i = motion.column(coordinate)
-        angle, rate = motion.positions[:, i], motion.velocities[:, i]
-        turn = motion.accelerations[:, i]
-        cos, sin = np.cos(angle), np.sin(angle)
-        table[unknown[c]] = cos, -sin * turn - cos * rate**2
-        table[unknown[s]] = sin, cos * turn - sin * rate**2
-    for orientation in problem.equations.orientations:
+        kinematics = motion.positions, motion.velocities, motion.accelerations
+        table[name] = kinematics[0][:, i], kinematics[1][:, i], kinematics[2][:, i]
+    for name, cos, sin in equations.turning:
+        angle, rate, turn = table[name]
+        c, s = np.cos(angle), np.sin(angle)
+        table[equations.names[cos]] = c, -s * rate, -s * turn - c * rate**2
+        table[equations.names[sin]] = s, c * rate, c * turn - s * rate**2
+    for orientation in equations.orientations:
         columns = [motion.column(name) for name in orientation.angles]
         angles = np.array([motion.positions, motion.velocities, 0.5 * motion.accelerations])
         rotation = matrix(angles[..., columns]).swapaxes(-1, -2).reshape(3, -1, 9)
         for i, index in enumerate(orientation.directors):
-            name = problem.equations.names[index]
-            table[name] = rotation[0, :, i], 2.0 * rotation[2, :, i]
+            name = equations.names[index]
+            table[name] = rotation[0, :, i], rotation[1, :, i], 2.0 * rotation[2, :, i]
+    for k in equations.with_role("frame"):
+        _follow(equations, table, k)
     names = problem.analysis.unknowns
     first = len(names) - motion.multipliers.shape[1] - motion.inputs.shape[1]
-    pairs = [table[name] for name in names[:first]]
+    triples = [table[name] for name in names[:first]]
     forces = np.hstack((motion.multipliers, motion.inputs)).T
-    return [p for p, _ in pairs] + list(forces), [a for _, a in pairs]
+    return [p for p, _, _ in triples] + list(forces), [a for _, _, a in triples]
+
+
+def _follow(equations: Equations, table: dict[str, tuple[Array, Array, Array]], k: int) -> None:
+    """Add the coordinate that follows from a constraint in which it stands alone, with slope 1."""
+    own = equations.roles[k].coordinate
+    assert own is not None
+    none = 0.0 * next(iter(table.values()))[0]
+    still = (none, none, none)
+    q, v, a = np.array([table.get(name, still) for name in equations.names]).transpose(1, 2, 0)
+    slope = equations.constraint_jacobian(q)[:, k]
+    value = -equations.constraint_values(q)[:, k]
+    rate = -np.einsum("ni,ni->n", slope, v)
+    curved = equations.constraint_curvature(v)[:, k]
+    second = -np.einsum("ni,ni->n", slope, a) - curved
+    table[equations.names[own]] = value, rate, second

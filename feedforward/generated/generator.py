@@ -242,7 +242,7 @@ class _Generator:
         return factors
 
     def _require(self, step: Step, factors: Eliminated) -> None:
-        matrix = self._matrix(step)
+        matrix = self._reduced(step)
         self.builder.operations.append(
             Regular(step.block, factors.number, factors.determinant, matrix, step.loose)
         )
@@ -257,3 +257,24 @@ class _Generator:
 
     def _matrix(self, step: Step) -> Matrix:
         return tuple(tuple(self._slope(slope) for slope in row) for row in step.slopes)
+
+    def _reduced(self, step: Step) -> Matrix:
+        """As `Step.reduced`, by which the determinant is measured."""
+        rows = [list(row) for row in self._matrix(step)]
+        for i, j in step.follows:
+            own = list(rows[i])
+            for row in rows:
+                share = row[j]
+                if row is not rows[i] and share:
+                    for k, value in enumerate(own):
+                        total: Polynomial = {}
+                        add(total, 1.0, row[k])
+                        add(total, -1.0, share, value)
+                        row[k] = self.builder.let(total)
+        left = {j for _, j in step.follows}
+        done = {i for i, _ in step.follows}
+        return tuple(
+            tuple(value for j, value in enumerate(row) if j not in left)
+            for i, row in enumerate(rows)
+            if i not in done
+        )

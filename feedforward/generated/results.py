@@ -28,14 +28,12 @@ class Results:
         columns: dict[str, tuple[Value, Value, Value]] = {}
         for i, name in enumerate(equations.names):
             columns[name] = self._derivatives([self.known[i, k] for k in range(3)])
-        hidden = {i for o in equations.orientations for i in o.directors}
         for t, (name, cos, sin) in enumerate(equations.turning):
             c, s = ([self.known[i, k] for k in range(3)] for i in (cos, sin))
             principal = builder.call("atan2", s[0], c[0])
             nearest = builder.fresh("q")
             builder.operations.append(Nearest(nearest, str(principal), f"g{newton + t}"))
             columns[name] = nearest, self._cross(c, s, 1, 1.0), self._cross(c, s, 2, 2.0)
-            hidden |= {cos, sin}
         for orientation in equations.orientations:
             series: list[Series]
             if orientation.angles[0] in rig.outputs:  # exactly as prescribed
@@ -49,7 +47,7 @@ class Results:
                 columns[name] = self._derivatives(angle)
         home = rig.home_coordinates
         columns |= {name: (home[name], 0.0, 0.0) for name in rig.held}
-        auxiliary = [name for i, name in enumerate(equations.names) if i not in hidden]
+        auxiliary = [name for i, name in enumerate(equations.names) if i not in equations.hidden]
         names = tuple(dict.fromkeys((*rig.coordinate_names, *auxiliary)))
         kinematics = tuple(tuple(columns[name][k] for name in names) for k in range(3))
         return names, kinematics, tuple(names.index(name) for name, _, _ in equations.turning)

@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from ...models.rig.frames import UPRIGHT
+from ...models.rig.rig import WORLD, Frame
 from ...models.types import Array, Mask
 from ..exact.branch import Branch
 from ..exact.home import home_outputs, home_unknowns
@@ -112,14 +114,14 @@ def samples_about(problem: Problem) -> list[list[Array]]:
 def _turned(problem: Problem, values: Array, random: np.random.Generator) -> Array:
     """Unknowns (unknowns, N) with frames, points and directors turned about the vertical.
 
-    What a turning frame carries is seen from all sides in this way, wherever home is.
+    What a frame that turns about it carries is seen from all sides in this way, wherever home is.
     """
     equations = problem.equations
-    frames = [frame.coordinate for frame in equations.rig.frames]
-    pairs = [(cos, sin) for name, cos, sin in equations.turning if name in frames]
-    if not pairs:
+    upright = [f.coordinate for f in problem.rig.frames if f.kind == "turning" and _upright(f)]
+    if not upright:
         return values
     angles = random.permutation(np.linspace(0.0, 2.0 * np.pi, values.shape[1], endpoint=False))
+    pairs = [(cos, sin) for name, cos, sin in equations.turning if name in upright]
     names = equations.names
     pairs += [
         (i, names.index(f"{name[:-1]}y"))
@@ -131,6 +133,11 @@ def _turned(problem: Problem, values: Array, random: np.random.Generator) -> Arr
         turned[x] = np.cos(angles) * values[x] - np.sin(angles) * values[y]
         turned[y] = np.sin(angles) * values[x] + np.cos(angles) * values[y]
     return turned
+
+
+def _upright(frame: Frame) -> bool:
+    """Whether it turns about the vertical, and with it all that it carries."""
+    return frame.parent == WORLD and frame.axis == UPRIGHT
 
 
 def evaluate(

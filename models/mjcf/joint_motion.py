@@ -9,8 +9,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..rig.chain import Link, joint_names, links
+from ..rig.frames import carriers
 from ..rig.rig import Frame, Platform, Rig, Trolley, Vector
-from ..rig.turning_axes import turn
+from ..rig.turning_axes import turn_about
 from ..types import Array
 
 
@@ -30,8 +31,8 @@ def joint_motion(rig: Rig, motion: Mapping[str, Array]) -> Array:
             world = np.zeros((*motion[f"{part.name}.x"].shape, 3))
             for axis in rig.axes:
                 world[..., "xyz".index(axis)] = motion[f"{part.name}.{axis}"]
-            place[part.name] = turn(world, -angle_of(link.frame, motion, world))
-            relative = place[part.name] - free_base(link, motion, place)
+            place[part.name] = inwards(rig, link.frame, motion, world)
+            relative = place[part.name] - free_base(rig, link, motion, place)
             for axis in rig.axes:
                 columns[f"{part.name}.{axis}"] = relative[..., "xyz".index(axis)]
             if isinstance(part, Platform):
@@ -43,23 +44,57 @@ def on_rail(rig: Rig, trolley: Trolley, motion: Mapping[str, Array]) -> Array:
     """Motion of a trolley in its frame's axes, (orders, N, 3)."""
     rail = rig.rail(trolley.rail)
     along = np.multiply.outer(motion[trolley.coordinate], np.asarray(rail.direction))
-    shift = shift_of(rig.frame(rail.frame), motion, along)
+    shift = shift_of(rig, rig.frame(rail.frame), motion, along)
     return np.asarray(along + shift + fixed(rail.origin, along))
 
 
-def free_base(link: Link, motion: Mapping[str, Array], place: Mapping[str, Array]) -> Array:
+def free_base(
+    rig: Rig, link: Link, motion: Mapping[str, Array], place: Mapping[str, Array]
+) -> Array:
     """Motion of what a free mass counts from, in its frame's axes, (orders, N, 3)."""
     above = link.parent
     if above is not None and not isinstance(above.part, Frame):
         return place[above.name]
-    return shift_of(link.frame, motion, next(iter(motion.values()))[..., None])
+    return shift_of(rig, link.frame, motion, next(iter(motion.values()))[..., None])
 
 
-def shift_of(frame: Frame | None, motion: Mapping[str, Array], like: Array) -> Array:
-    """Motion of a sliding frame's origin; zero for others.  (orders, N, 3)"""
+def shift_of(rig: Rig, frame: Frame | None, motion: Mapping[str, Array], like: Array) -> Array:
+    """Motion of a frame's origin in its axes, (orders, N, 3).
+
+    It counts from the origin of the next frame below that turns, or from the world's, as all that a
+    sliding frame carries does: zero for the frame that turns.
+    """
     if frame is None or frame.kind != "sliding":
         return np.zeros((*like.shape[:-1], 3))
-    return np.asarray(np.multiply.outer(motion[frame.coordinate], np.asarray(frame.axis)))
+    slid = np.multiply.outer(motion[frame.coordinate], np.asarray(frame.axis))
+    return np.asarray(slid + _foot(rig, frame, motion, like))
+
+
+def _foot(rig: Rig, frame: Frame, motion: Mapping[str, Array], like: Array) -> Array:
+    """Where a frame stands on its parent, seen as `shift_of` sees the parent."""
+    return fixed(frame.origin, like) + shift_of(rig, rig.frame(frame.parent), motion, like)
+
+
+def outwards(rig: Rig, frame: Frame | None, motion: Mapping[str, Array], own: Array) -> Array:
+    """Motion in the world of what moves so in a frame's axes, (orders, N, 3)."""
+    for turning in _turning(rig, frame):
+        own = turn_about(turning.axis, own, motion[turning.coordinate])
+        own = own + _foot(rig, turning, motion, own)
+    return own
+
+
+def inwards(rig: Rig, frame: Frame | None, motion: Mapping[str, Array], world: Array) -> Array:
+    """Motion in a frame's axes of what moves so in the world: the inverse of `outwards`."""
+    own = world
+    for turning in reversed(_turning(rig, frame)):
+        own = own - _foot(rig, turning, motion, own)
+        own = turn_about(turning.axis, own, -motion[turning.coordinate])
+    return own
+
+
+def _turning(rig: Rig, frame: Frame | None) -> list[Frame]:
+    """Frames that turn what a frame carries, outwards."""
+    return [part for part in carriers(rig.frames, frame) if part.kind == "turning"]
 
 
 def fixed(vector: Vector, like: Array) -> Array:
@@ -67,10 +102,3 @@ def fixed(vector: Vector, like: Array) -> Array:
     constant = np.zeros((*like.shape[:-1], 3))
     constant[0] = vector
     return constant
-
-
-def angle_of(frame: Frame | None, motion: Mapping[str, Array], like: Array) -> Array:
-    """Motion of a turning frame's angle; zero for others.  (orders, N)"""
-    if frame is None or frame.kind != "turning":
-        return np.zeros(like.shape[:-1])
-    return motion[frame.coordinate]

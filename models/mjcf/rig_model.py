@@ -4,13 +4,14 @@
 
 A rope with its winch becomes a spatial tendon with `armature` J/r^2 and a motor on the tendon
 with gear 1/r: the sources' equations exactly, without a constraint.  A turning frame is a hinge
-with the frame's inertia as joint armature, a sliding frame and a trolley are a mass on a slide, a
-load is a point mass on two or three slides, a platform a rigid body on three slides and three
-hinges (`flatrig.models.rig.chain` says on which body).  A sheave with inertia adds a second tendon
-along the rest of its rope, whose rate is the rope's speed over the sheave.  A rope's last span
-counts as often as it has falls.  Inputs are not clipped; rails do not end; ropes never go slack,
-they push instead: whoever steps the model looks at `flatrig.models.mjcf.rig_state.tensions`.
-Ropes that stretch, or do go slack, are another choice: `flatrig.models.mjcf.ropes`.
+with the frame's inertia as joint armature, or a rigid body where it has a mass of its own; frames
+stand on one another as bodies do.  A sliding frame and a trolley are a mass on a slide, a load is a
+point mass on two or three slides, a platform a rigid body on three slides and three hinges
+(`flatrig.models.rig.chain` says on which body).  A sheave with inertia adds a second tendon along
+the rest of its rope, whose rate is the rope's speed over the sheave.  A rope's last span counts as
+often as it has falls.  Inputs are not clipped; rails do not end; ropes never go slack, they push
+instead: whoever steps the model looks at `flatrig.models.mjcf.rig_state.tensions`.  Ropes that
+stretch, or do go slack, are another choice: `flatrig.models.mjcf.ropes`.
 
 A load without mass, such as the ideal free pulley, cannot be a body of MuJoCo: `massless` is the
 mass that stands in for it, without weight.  The model is then a limit: a load's error falls in
@@ -37,6 +38,7 @@ from ..values import as_number, shown
 from . import rigging, spools
 from .armature import check
 from .at_rest import compile_at_rest
+from .frame_body import give_inertia
 from .rig_state import State, coordinates, joint_state, paid_out, points, tensions
 from .ropes import Ropes, ropes_of
 
@@ -73,10 +75,6 @@ times what it takes with all constraints on, and a hundredth of what MuJoCo woul
 
 TIMESTEPS = (1e-12, 1e9)
 """Shortest and longest step [s] whose powers stay far from overflow."""
-
-FRAME_MASS = 1e-9
-"""Mass of a turning frame's body [kg].  MuJoCo needs some; the frame's inertia is its joint's
-armature, to which this adds nothing that counts."""
 
 
 def compile(
@@ -245,7 +243,7 @@ def _body(parent: Any, link: Link, rig: Rig) -> Any:
     body.ipos = [0, 0, 0]
     body.inertia = [POINT_INERTIA] * 3
     if isinstance(part, Frame):
-        body.mass = FRAME_MASS if turning else part.inertia
+        give_inertia(body, part)
     else:
         body.mass = part.mass
         body.add_site(name=part.name)
@@ -253,13 +251,13 @@ def _body(parent: Any, link: Link, rig: Rig) -> Any:
         body.inertia = part.inertia
     if turning is not None and link.home[0] != 0:
         body.alt.type = mujoco.mjtOrientation.mjORIENTATION_AXISANGLE
-        body.alt.axisangle = [0, 0, 1, link.home[0]]
+        body.alt.axisangle = [*turning.axis, link.home[0]]
     hinges = part.angles if isinstance(part, Platform) else (link.joints[0],) if turning else ()
     for name, value, axis in zip(link.joints, link.home, _axes(rig, link), strict=True):
         kind = mujoco.mjtJoint.mjJNT_HINGE if name in hinges else mujoco.mjtJoint.mjJNT_SLIDE
         joint = body.add_joint(name=name, type=kind, axis=axis, ref=value)
         if turning is not None:
-            joint.armature = turning.inertia
+            joint.armature = turning.along
     return body
 
 

@@ -19,10 +19,10 @@ from ..rig.chain import joint_names, links
 from ..rig.coordinate_values import gather
 from ..rig.lengths import rope_lengths
 from ..rig.rig import Frame, Platform, Rig, Trolley
-from ..rig.turning_axes import carry, turn
+from ..rig.turning_axes import carry
 from ..types import Array
 from ..values import reals
-from .joint_motion import angle_of, fixed, free_base, joint_motion, on_rail, shift_of
+from .joint_motion import fixed, free_base, joint_motion, on_rail, outwards, shift_of
 from .ropes import reach, stretches
 
 
@@ -103,8 +103,8 @@ def points(
         if anchor in corners:
             continue
         frame = rig.frame(anchor.frame)
-        own = shift_of(frame, motion, joints) + fixed(anchor.position, joints)
-        world[anchor.name] = turn(own, angle_of(frame, motion, own))
+        own = shift_of(rig, frame, motion, joints) + fixed(anchor.position, joints)
+        world[anchor.name] = outwards(rig, frame, motion, own)
     for link in links(rig):
         part = link.part
         if isinstance(part, Frame):
@@ -114,11 +114,13 @@ def points(
             total = sum(factor * motion[name] for name, factor in terms)
             own = on_rail(rig, part, {**motion, part.coordinate: np.asarray(total)})
         else:
-            own = np.array(np.broadcast_to(free_base(link, motion, place), (*joints.shape[:-1], 3)))
+            own = np.array(
+                np.broadcast_to(free_base(rig, link, motion, place), (*joints.shape[:-1], 3))
+            )
             for axis in rig.axes:
                 own[..., "xyz".index(axis)] += motion[f"{part.name}.{axis}"]
         place[part.name] = own
-        world[part.name] = turn(own, angle_of(link.frame, motion, own))
+        world[part.name] = outwards(rig, link.frame, motion, own)
         for corner in corners:
             if isinstance(part, Platform) and corner.frame == part.name:
                 alpha, beta, gamma = (motion[name] for name in part.angles)

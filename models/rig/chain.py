@@ -3,8 +3,8 @@
 MuJoCo keeps mass-matrix entries only between a degree of freedom and its ancestors, and drops
 the others of a tendon's armature without a word.  So all masses that ropes tie to one another,
 directly or through other masses, sit on one chain, below the frame that carries their rails and
-anchors: frame, then trolleys, then free pulleys, then loads, then the platform.  Each body's joints
-count from the body above it; `flatrig.models.mjcf.rig_state` converts.
+anchors: frames from the ground up, then trolleys, then free pulleys, then loads, then the platform.
+Each body's joints count from the body above it; `flatrig.models.mjcf.rig_state` converts.
 
 A platform ends its chain, since whatever is below it would turn with it.  Its three hinges are its
 Bryant angles, whose first and last axis fall together at beta = +-90 degrees (gimbal lock); a
@@ -14,11 +14,9 @@ platform on ropes does not get there.
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
-from math import cos, sin
-from typing import cast
 
 from ..errors import ModelError
-from .frames import refuse_nested
+from .frames import carriers, inwards
 from .rig import WORLD, Frame, Load, Platform, Rig, Rope, Trolley, Vector
 
 Mass = Trolley | Load | Platform
@@ -58,19 +56,30 @@ def links(rig: Rig) -> tuple[Link, ...]:
     ModelError
         Ropes tie together what cannot sit on one chain.
     """
-    refuse_nested(rig.name, rig.frames)
     if rig.links or (rig.platforms and rig.dimensions == 2):
         part = "links" if rig.links else "platforms in a plane"
         raise ModelError(f"rig {rig.name} has {part}, of which there is no MuJoCo model yet")
     components = _components(rig)
-    carriers = [_carrier(rig, members) for members in components]
+    carried_by = [_carrier(rig, members) for members in components]
     chain: list[Link] = []
-    for frame in (*rig.frames, None):
-        above = None if frame is None else _frame_link(rig, frame)
-        chain += [] if above is None else [above]
-        for members, carrier in zip(components, carriers, strict=True):
+
+    def hang(frame: Frame | None, above: Link | None) -> None:
+        """Add the masses below a frame, and with a frame those on it."""
+        for members, carrier in zip(components, carried_by, strict=True):
             if carrier is frame:
-                chain += _chain(rig, members, above)
+                chain.extend(_chain(rig, members, above))
+        for other in rig.frames:
+            if frame is not None and other.parent == frame.name:
+                stand(other, above)
+
+    def stand(frame: Frame, below: Link | None) -> None:
+        chain.append(_frame_link(rig, frame, below))
+        hang(frame, chain[-1])
+
+    for frame in rig.frames:
+        if frame.parent == WORLD:
+            stand(frame, None)
+    hang(None, None)
     return tuple(chain)
 
 
@@ -108,20 +117,27 @@ def _carrier(rig: Rig, members: list[Mass]) -> Frame | None:
         for anchor in rig.anchors
         if anchor.frame not in names and any(anchor.name in rope.path for rope in ropes)
     }
-    moving = {name: frame for name, frame in carried.items() if frame != WORLD}
-    frames = sorted(set(moving.values()))
-    if len(frames) > 1:
-        raise ModelError(
-            f"{_ropes(ropes)} tie frames {' and '.join(frames)} together, "
-            "MuJoCo's mass matrix can only hold ropes on one chain of bodies; use one frame"
-        )
-    for mass in members:
-        if frames and isinstance(mass, Trolley) and carried[mass.name] == WORLD:
+    frames = [frame for frame in rig.frames if frame.name in carried.values()]
+    chains = [list(carriers(rig.frames, frame)) for frame in frames]
+    longest = max(chains, key=len, default=[])
+    for frame in frames:
+        if frame not in longest:
+            both = " and ".join(sorted((frame.name, longest[0].name)))
             raise ModelError(
-                f"{_ropes(ropes)} tie trolley {mass.name}, whose rail is fixed, to frame "
-                f"{frames[0]}; put its rail in frame {frames[0]} or the anchors in the world"
+                f"{_ropes(ropes)} tie frames {both} together, MuJoCo's mass matrix can only hold "
+                "ropes on one chain of bodies; use one frame, or let one carry the other"
             )
-    return rig.frame(frames[0]) if frames else None
+    carrier = longest[0] if longest else None
+    for mass in members:
+        if carrier and isinstance(mass, Trolley) and carried[mass.name] != carrier.name:
+            where = carried[mass.name]
+            rail = "rail is fixed" if where == WORLD else f"rail is in frame {where}"
+            raise ModelError(
+                f"{_ropes(ropes)} tie trolley {mass.name}, whose {rail}, to frame "
+                f"{carrier.name}; put its rail in frame {carrier.name} or the anchors in "
+                f"{'the world' if where == WORLD else f'frame {where}'}"
+            )
+    return carrier
 
 
 def _ropes(ropes: list[Rope]) -> str:
@@ -129,18 +145,19 @@ def _ropes(ropes: list[Rope]) -> str:
     return f"rope{plural} {', '.join(rope.name for rope in ropes)}"
 
 
-def _frame_link(rig: Rig, frame: Frame) -> Link:
+def _frame_link(rig: Rig, frame: Frame, parent: Link | None) -> Link:
     value = rig.home_of(frame)
     shift = value if frame.kind == "sliding" else 0.0
-    position = _vector(shift * part for part in frame.axis)
-    return Link(frame, None, frame, position, (frame.coordinate,), (value,))
+    pairs = zip(frame.origin, frame.axis, strict=True)
+    position = _vector(start + shift * part for start, part in pairs)
+    return Link(frame, parent, frame, position, (frame.coordinate,), (value,))
 
 
 def _chain(rig: Rig, members: list[Mass], above: Link | None) -> list[Link]:
     """Trolleys, then free pulleys, then loads, then a platform, each on the one before."""
     loads = [mass for mass in members if isinstance(mass, Load)]
     platforms = [mass for mass in members if isinstance(mass, Platform)]
-    _check_platforms(platforms, above)
+    _check_platforms(rig, platforms, above)
     chain: list[Link] = []
     for mass in members:
         if isinstance(mass, Trolley):
@@ -154,16 +171,18 @@ def _chain(rig: Rig, members: list[Mass], above: Link | None) -> list[Link]:
     return chain
 
 
-def _check_platforms(platforms: list[Platform], above: Link | None) -> None:
+def _check_platforms(rig: Rig, platforms: list[Platform], above: Link | None) -> None:
     if len(platforms) > 1:
         names = " and ".join(platform.name for platform in platforms)
         raise ModelError(
             f"ropes tie platforms {names} together, of which the lower would turn with the upper "
             "in MuJoCo's chain of bodies; tie each to trolleys, loads or anchors only"
         )
-    if platforms and above is not None and cast(Frame, above.part).kind == "turning":
+    turning = [] if above is None else carriers(rig.frames, above.frame)
+    name = next((frame.name for frame in turning if frame.kind == "turning"), None)
+    if platforms and name is not None:
         raise ModelError(
-            f"platform {platforms[0].name} hangs from turning frame {above.name}, but its angles "
+            f"platform {platforms[0].name} hangs from turning frame {name}, but its angles "
             "count from fixed axes; hang it from a sliding frame or from the world"
         )
 
@@ -209,13 +228,7 @@ def _origin(rig: Rig, link: Link | None) -> Vector:
 
 def _home_point(rig: Rig, mass: Mass, frame: Frame | None) -> Vector:
     """Home position of a mass in its frame's axes, from the frame's origin."""
-    x, y, z = point = rig.home_point(mass.name)
-    if frame is None:
-        return point
-    value = rig.home_of(frame)
-    if frame.kind == "sliding":
-        return _minus(point, _vector(value * part for part in frame.axis))
-    return _vector((x * cos(value) + y * sin(value), y * cos(value) - x * sin(value), z))
+    return _vector(inwards(rig.frames, frame, rig.home_of, rig.home_point(mass.name)))
 
 
 def _vector(values: Iterable[float]) -> Vector:

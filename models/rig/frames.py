@@ -115,21 +115,3 @@ def tensor(inertia: float | tuple[float, ...]) -> Array:
 def second_moments(inertia: Array) -> Array:
     """Integrals of x x, x y, ... over the mass (3, 3) of which a tensor (3, 3) is made."""
     return np.asarray(0.5 * np.trace(inertia) * np.eye(3) - inertia)
-
-
-def refuse_nested(rig: str, frames: Sequence[Frame]) -> None:
-    """Refuse frames that equations and models do not hold yet.
-
-    Raises
-    ------
-    RigError
-        A frame stands on another one, or off the origin, turns about no upright axis, or has a
-        mass with a centre.
-    """
-    for frame in frames:
-        tilted = frame.kind == "turning" and frame.axis != UPRIGHT
-        if tilted or frame.mass or frame.parent != WORLD or any(frame.origin):
-            raise RigError(
-                f"rig {rig}: frame {frame.name} is described, but its equations are not made yet; "
-                "frames turn about (0, 0, 1) through the world's origin, or slide from there"
-            )

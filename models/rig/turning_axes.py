@@ -8,6 +8,23 @@ import numpy as np
 
 from ..types import Array
 from ..values import Vector
+from .frames import UPRIGHT
+
+
+def turn_about(axis: Vector, motion: Array, angle: Array) -> Array:
+    """A motion (orders, N, 3) seen from axes against which its own turn by `angle` about `axis`."""
+    if axis == UPRIGHT:
+        return turn(motion, angle)
+    a = np.array(axis)
+    across = np.eye(3)[np.abs(a).argmin()]
+    b = np.cross(a, across) / np.linalg.norm(np.cross(a, across))
+    basis = np.array([b, np.cross(a, b), a])
+    return _mapped(turn(_mapped(motion, basis), angle), basis.T)
+
+
+def _mapped(motion: Array, matrix: Array) -> Array:
+    """A matrix times vectors (..., 3), in an order of sums that does not depend on their number."""
+    return np.stack([(motion * row).sum(axis=-1) for row in matrix], axis=-1)
 
 
 def turn(motion: Array, angle: Array) -> Array:

@@ -8,7 +8,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from flatrig import models
+from flatrig.feedforward import analyse, equations_of, redundant
 from flatrig.models import Anchor, Drive, Frame, Load, Rig, RigError, Rope
+from flatrig.models.mjcf import rig_model
+from flatrig.models.mjcf.simulate import accelerations
+from flatrig.models.rig.chain import joint_names
+from flatrig.training.stress.random_frames import boom_crane
+from flatrig.training.stress.random_parts import Dice
 
 TOWER = Frame("tower", "turning", 1e5)
 BOOM = Frame(
@@ -113,3 +119,43 @@ def test_a_plane_has_booms_that_turn_about_its_normal() -> None:
     assert tip == pytest.approx((1 + 20 * np.cos(0.8), 0.0, 10 + 20 * np.sin(0.8)))
     with pytest.raises(RigError, match=r"no turning frame but about \(0, 1, 0\) or \(0, -1, 0\)"):
         replace(planar, frames=(replace(planar.frames[0], axis=(1.0, 0.0, 0.0)),))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_chains_of_frames_move_in_mujoco_as_the_equations_say(seed: int) -> None:
+    """Depth 1 to 4, any axis, origin and tensor, with trolleys and without."""
+    random = np.random.default_rng([8, seed])
+    dice = Dice(random, float(10.0 ** random.uniform(0.0, 1.5)))
+    rig = boom_crane(dice)
+    analysis, equations, model = analyse(rig), equations_of(rig), rig_model.compile(rig)
+    assert (analysis.flat, analysis.index, analysis.reference_order) == (True, 5, 4)
+    homes = rig.home_coordinates
+    size = {name: 0.5 if name.endswith("angle") else 0.3 * dice.size for name in homes}
+    values = {name: home + size[name] * random.normal(size=3) for name, home in homes.items()}
+    rates = {name: size[name] * random.normal(size=3) for name in homes}
+    inputs = rig.weight * random.normal(size=(3, len(rig.drives)))
+    state, speeds = redundant(equations, values, rates)
+    assert np.abs(equations.constraint_values(state)).max() < 1e-12 * dice.size**2
+    rank = np.linalg.matrix_rank(equations.constraint_jacobian(state[0]))
+    assert rank == len(equations.constraint_names)
+    expected, multipliers = equations.accelerations(state, speeds, inputs)
+    joints = rig_model.joint_state(rig, model, values, rates)
+    back = rig_model.coordinates(rig, model, joints)
+    for given, found in zip((values, rates), back, strict=True):
+        for name, value in given.items():
+            assert found[name] == pytest.approx(value, rel=1e-12, abs=1e-12 * dice.size)
+    turn = accelerations(model, *joints, inputs)
+    world = rig_model.points(rig, *joints, turn)
+    columns = {f"load.{axis}": world["load"][2][:, "xyz".index(axis)] for axis in rig.axes}
+    for frame in rig.frames:
+        joint = turn[:, joint_names(rig).index(frame.coordinate)]
+        if frame.kind == "sliding":
+            columns[frame.coordinate] = joint
+        else:
+            angle, rate = values[frame.coordinate], rates[frame.coordinate]
+            columns[f"{frame.name}.sin"] = np.cos(angle) * joint - np.sin(angle) * rate**2
+    for name, found in columns.items():
+        error = np.abs(found - expected[:, equations.names.index(name)])
+        assert (error <= 1e-9 * np.abs(expected).max(axis=1)).all()
+    pulls = rig_model.tensions(rig, *joints, turn, inputs)
+    assert pulls == pytest.approx(equations.tensions(state, multipliers), rel=1e-7)
