@@ -13,7 +13,7 @@ first and second moments in these directions, with a constant matrix.
 """
 
 from collections.abc import Callable, Iterable
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import Protocol
 
 import numpy as np
@@ -92,7 +92,7 @@ class Frames:
     def world(self) -> Place:
         """The frame that does not move."""
         units = [np.array([self.rows.row(constant=x) for x in unit]) for unit in np.eye(3)]
-        return Place(np.eye(3), [lambda unit=unit: unit for unit in units], 0.0 * units[0])
+        return Place(np.eye(3), [partial(np.asarray, unit) for unit in units], 0.0 * units[0])
 
     def place(self, frame: Frame | None) -> Place:
         """Where a frame is, or the world."""
@@ -136,7 +136,7 @@ class Frames:
             start + self._product(frame, letter, [(along, step)])
             for letter, start, step in zip("xyz", still, axis, strict=True)
         ])  # fmt: skip
-        directions = [lambda k=k: parent.along(k) for k in range(3)]
+        directions = [partial(parent.along, k) for k in range(3)]
         return Place(parent.basis, directions, origin)
 
     def _product(self, frame: Frame, suffix: str, pairs: Iterable[tuple[Array, Array]]) -> Array:

@@ -43,20 +43,17 @@ def _drawn(dice: Dice, count: int, *, planar: bool, trolley: bool) -> Rig:
         frames.append(_frame(dice, f"frame_{k}", frames[-1].name if frames else WORLD, planar))
     home = {frame.name: _home(dice, frame) for frame in frames}
     last, tip = frames[-1], _vector(dice, planar, 0.3, 1.5)
-    rails, trolleys, above = (), (), "tip"
+    rails: tuple[Rail, ...] = ()
+    trolleys: tuple[Trolley, ...] = ()
+    above, upper = "tip", tip
     if trolley:
         out = dice.length(-1.0, 1.0)
         rails = (Rail("rail", _unit(dice, planar), tip, last.name, *dice.ends(out)),)
-        trolleys, above, home["trolley"] = (
-            (Trolley("trolley", dice.mass(), "rail"),),
-            "trolley",
-            out,
-        )
-        pairs = zip(tip, rails[0].direction, strict=True)
-        tip_x, tip_y, tip_z = (start + out * step for start, step in pairs)
-        hung = outwards(frames, last, lambda frame: home[frame.name], (tip_x, tip_y, tip_z))
-    else:
-        hung = outwards(frames, last, lambda frame: home[frame.name], tip)
+        trolleys, above = (Trolley("trolley", dice.mass(), "rail"),), "trolley"
+        home["trolley"] = out
+        x, y, z = (a + out * b for a, b in zip(tip, rails[0].direction, strict=True))
+        upper = (x, y, z)
+    hung = outwards(frames, last, lambda frame: home[frame.name], upper)
     # with a trolley one frame is enough in space
     free = (1 if planar else 2) - trolley
     axes = ("load.x", "load.z") if planar else ("load.x", "load.y", "load.z")
@@ -126,7 +123,8 @@ def _moves_all_ways(rig: Rig) -> bool:
     upper = rig.ropes[0].path[0]
     size = max(abs(value) for value in rig.home_point("load")) or 1.0
     steps: list[Array] = []
-    for part in (*free, *rig.trolleys):
+    moved: list[Frame | Trolley] = [*free, *rig.trolleys]
+    for part in moved:
         change = SHORT * (size if part.coordinate.endswith("position") else 1.0)
         steps.append(_moved(rig, upper, part.name, change) / (SHORT * size))
     level = np.array(steps)[:, : rig.dimensions - 1]
@@ -139,4 +137,5 @@ def _moved(rig: Rig, point: str, part: str, change: float) -> Array:
     home[part] = float(home[part]) + change  # type: ignore[arg-type]
     rails = tuple(replace(rail, start=-math.inf, end=math.inf) for rail in rig.rails)
     other = replace(rig, rails=rails, home=home)
-    return np.array(other.home_point(point)) - np.array(rig.home_point(point))
+    pairs = zip(other.home_point(point), rig.home_point(point), strict=True)
+    return np.array([after - before for after, before in pairs])
