@@ -97,7 +97,7 @@ def levers(rig: Rig, scales: Scales) -> Array:
     for platform in rig.platforms:
         corners = [anchor.position for anchor in rig.anchors if anchor.frame == platform.name]
         farthest = max(float(np.linalg.norm(corner)) for corner in corners)
-        lever |= dict.fromkeys(platform.angles, farthest)
+        lever |= dict.fromkeys(rig.angles_of(platform), farthest)
     return np.array([lever[output] for output in rig.outputs])
 
 

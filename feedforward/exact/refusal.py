@@ -86,7 +86,7 @@ def accept_columns(rig: Rig, reference: Reference) -> None:
         )
     if isinstance(reference, FixedAxis):
         turned = tuple(rig.outputs[column] for column in reference.columns)
-        if turned not in [platform.angles for platform in rig.platforms]:
+        if turned not in [rig.angles_of(platform) for platform in rig.platforms]:
             raise PathError(
                 f"the path turns {', '.join(turned)} of rig {rig.name} about one axis, these must "
                 "be the angles alpha, beta and gamma of a platform"

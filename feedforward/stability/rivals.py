@@ -27,8 +27,7 @@ def rivals(regulator: Regulator, starts: int = 48, seed: int = 0) -> Array:
     rig = regulator.rig
     rest = np.array(list(regulator.rest_values.values()))
     names = list(regulator.rest_values)
-    angles = {frame.coordinate for frame in rig.frames if frame.kind == "turning"}
-    angles |= {angle for platform in rig.platforms for angle in platform.angles}
+    angles = rig.angles
     size = float(np.max(regulator.rest.rope_lengths))
     scale = np.array([1.0 if name in angles else size for name in names])
     still = dict.fromkeys(names, np.zeros(1))

@@ -96,9 +96,7 @@ def main(command: options.Bench) -> int:
 def commands(rig: Rig, seed: int, ticks: int) -> Array:
     """Random velocities, shape (ticks, outputs)."""
     random = np.random.default_rng(seed)
-    angles = {angle for platform in rig.platforms for angle in platform.angles}
-    angles |= {frame.coordinate for frame in rig.frames if frame.kind == "turning"}
-    most = np.array([TURN if name in angles else SPEED for name in rig.outputs])
+    most = np.array([TURN if name in rig.angles else SPEED for name in rig.outputs])
     rows: list[Array] = []
     while len(rows) < ticks:
         count = max(1, round(random.uniform(*KEPT) * RATE))

@@ -109,7 +109,7 @@ class Seen:
         for link in links(self.rig):
             for name in link.joints:
                 lever = 1.0
-                if isinstance(link.part, Platform) and name in link.part.angles:
+                if isinstance(link.part, Platform) and name in self.rig.angles_of(link.part):
                     corners = [a.position for a in self.rig.anchors if a.frame == link.name]
                     lever = float(np.linalg.norm(corners, axis=1).max())
                 elif isinstance(link.part, Frame) and link.part.kind == "turning":

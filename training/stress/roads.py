@@ -82,7 +82,7 @@ def from_mujoco(motion: Motion) -> float:
             f"{load.name}.{axis}": world[load.name][2][:, "xyz".index(axis)] for axis in rig.axes
         }
     own = [frame.coordinate for frame in rig.frames]
-    own += [angle for platform in rig.platforms for angle in platform.angles]
+    own += rig.platform_angles
     second |= {name: turn[:, joint_names(rig).index(name)] for name in own}
     errors = [
         np.abs(column - motion.accelerations[few, motion.column(name)])

@@ -27,8 +27,9 @@ def random_move(rig: Rig, rng: np.random.Generator) -> Move:
         for rope in rig.ropes
         for a, b in pairwise(rope.path)
     ]
+    spans += [rig.link_length(link) for link in rig.links]
     size = float(np.median(spans))
-    angles = [angle for platform in rig.platforms for angle in platform.angles]
+    angles = rig.platform_angles
     reach = np.array([0.4 if name in angles else 0.5 * min(spans) for name in rig.outputs])
     swing = 2.0 * math.pi * math.sqrt(size / rig.gravity)
     order = int(rng.integers(4, 9))
@@ -47,5 +48,5 @@ def random_move(rig: Rig, rng: np.random.Generator) -> Move:
         profile="three_phase" if three else "polynomial",
         order=order,
         blend=float(duration * rng.uniform(0.05, 0.5)),
-        turning=columns if rng.random() < TURNING else (),
+        turning=columns if rng.random() < TURNING and len(columns) == 3 else (),
     )
