@@ -13,6 +13,7 @@ from ..rig.frames import carriers
 from ..rig.rig import Frame, Platform, Rig, Trolley, Vector
 from ..rig.turning_axes import turn_about
 from ..types import Array
+from .swinging import swing_angles, turned_out
 
 
 def joint_motion(rig: Rig, motion: Mapping[str, Array]) -> Array:
@@ -32,11 +33,15 @@ def joint_motion(rig: Rig, motion: Mapping[str, Array]) -> Array:
             for axis in rig.axes:
                 world[..., "xyz".index(axis)] = motion[f"{part.name}.{axis}"]
             place[part.name] = inwards(rig, link.frame, motion, world)
+            if link.swing is not None:
+                vector = place[part.name] - pivot_place(rig, link, motion, place)
+                columns |= swing_angles(rig, link, vector, columns)
+                continue
             relative = place[part.name] - free_base(rig, link, motion, place)
             for axis in rig.axes:
                 columns[f"{part.name}.{axis}"] = relative[..., "xyz".index(axis)]
             if isinstance(part, Platform):
-                columns |= {name: motion[name] for name in part.angles}
+                columns |= {name: motion[name] for name in rig.angles_of(part)}
     return np.stack([columns[name] for name in joint_names(rig)], axis=-1)
 
 
@@ -56,6 +61,21 @@ def free_base(
     if above is not None and not isinstance(above.part, Frame):
         return place[above.name]
     return shift_of(rig, link.frame, motion, next(iter(motion.values()))[..., None])
+
+
+def pivot_place(
+    rig: Rig, link: Link, motion: Mapping[str, Array], place: Mapping[str, Array]
+) -> Array:
+    """Motion of the point that a load swings about, in its frame's axes, (orders, N, 3)."""
+    swing = link.swing
+    assert swing is not None
+    if swing.upper in place:
+        return place[swing.upper]
+    above = link.parent
+    own = fixed(swing.pivot, next(iter(motion.values()))[..., None])
+    if above is None or isinstance(above.part, Frame):
+        return own + shift_of(rig, link.frame, motion, own)
+    return place[above.name] + turned_out(rig, above, own, motion)
 
 
 def shift_of(rig: Rig, frame: Frame | None, motion: Mapping[str, Array], like: Array) -> Array:

@@ -35,7 +35,7 @@ from ..rig.chain import Link, links
 from ..rig.rig import WORLD, Frame, Platform, Rig, Trolley, Vector
 from ..rig.unsolved import refuse_unsolved
 from ..values import as_number, shown
-from . import rigging, spools
+from . import rigging, spools, stiff_ties
 from .armature import check
 from .at_rest import compile_at_rest
 from .frame_body import give_inertia
@@ -191,6 +191,7 @@ def _scene(
             inertia = 0.0 if ropes.spooled else rope.inertia_along
             rigging.lay(scene, rope.name, rope.path, rope.falls, inertia)
         rigging.add_sheaves(scene, rope)
+    stiff_ties.add(scene, rig)
     for drive in rig.drives:
         rigging.add_motor(scene, rig, drive.name, drive.limit, rig.driven(drive))
     if visuals:
@@ -246,13 +247,16 @@ def _body(parent: Any, link: Link, rig: Rig) -> Any:
         give_inertia(body, part)
     else:
         body.mass = part.mass
-        body.add_site(name=part.name)
+        body.ipos = (0.0, 0.0, 0.0) if link.swing is None else link.swing.reach
+        body.add_site(name=part.name, pos=body.ipos)
     if isinstance(part, Platform):
         body.inertia = part.inertia
     if turning is not None and link.home[0] != 0:
         body.alt.type = mujoco.mjtOrientation.mjORIENTATION_AXISANGLE
         body.alt.axisangle = [*turning.axis, link.home[0]]
-    hinges = part.angles if isinstance(part, Platform) else (link.joints[0],) if turning else ()
+    hinges = rig.angles_of(part) if isinstance(part, Platform) else ()
+    if turning or link.swing is not None:
+        hinges = link.joints
     for name, value, axis in zip(link.joints, link.home, _axes(rig, link), strict=True):
         kind = mujoco.mjtJoint.mjJNT_HINGE if name in hinges else mujoco.mjtJoint.mjJNT_SLIDE
         joint = body.add_joint(name=name, type=kind, axis=axis, ref=value)
@@ -265,8 +269,10 @@ def _axes(rig: Rig, link: Link) -> list[Vector]:
     """Axes of a body's joints, in their order; a platform turns about x, y, z after it slides."""
     if isinstance(link.part, Frame):
         return [link.part.axis]
+    if link.swing is not None:
+        return list(link.swing.axes)
     if isinstance(link.part, Trolley):
         return [rig.rail(link.part.rail).direction]
     units = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-    turns = "xyz" if isinstance(link.part, Platform) else ""
+    turns = ("xyz" if rig.dimensions == 3 else "y") if isinstance(link.part, Platform) else ""
     return [units[letter] for letter in (*rig.axes, *turns)]

@@ -15,15 +15,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import ModelError
-from ..rig.chain import joint_names, links
+from ..rig.chain import Link, joint_names, links
 from ..rig.coordinate_values import gather
 from ..rig.lengths import rope_lengths
-from ..rig.rig import Frame, Platform, Rig, Trolley
+from ..rig.rig import Anchor, Frame, Platform, Rig, Trolley
 from ..rig.turning_axes import carry
 from ..types import Array
 from ..values import reals
-from .joint_motion import fixed, free_base, joint_motion, on_rail, outwards, shift_of
+from .joint_motion import fixed, free_base, joint_motion, on_rail, outwards, pivot_place, shift_of
+from .link_tensions import link_tensions
 from .ropes import reach, stretches
+from .swinging import turned_out, way
 
 
 class HasState(Protocol):
@@ -113,6 +115,8 @@ def points(
             terms = link.sums or ((part.coordinate, 1.0),)
             total = sum(factor * motion[name] for name, factor in terms)
             own = on_rail(rig, part, {**motion, part.coordinate: np.asarray(total)})
+        elif link.swing is not None:
+            own = pivot_place(rig, link, motion, place) + way(rig, link, motion, joints)
         else:
             own = np.array(
                 np.broadcast_to(free_base(rig, link, motion, place), (*joints.shape[:-1], 3))
@@ -123,10 +127,17 @@ def points(
         world[part.name] = outwards(rig, link.frame, motion, own)
         for corner in corners:
             if isinstance(part, Platform) and corner.frame == part.name:
-                alpha, beta, gamma = (motion[name] for name in part.angles)
-                out = carry(corner.position, (alpha, beta, gamma))
-                world[corner.name] = world[part.name] + out
+                world[corner.name] = world[part.name] + _out(rig, link, corner, motion)
     return world
+
+
+def _out(rig: Rig, link: Link, corner: Anchor, motion: Mapping[str, Array]) -> Array:
+    """From a platform's centre to a corner, (orders, N, 3)."""
+    assert isinstance(link.part, Platform)
+    angles = [motion[name] for name in rig.angles_of(link.part)]
+    if len(angles) == 3:
+        return carry(corner.position, (angles[0], angles[1], angles[2]))
+    return turned_out(rig, link, fixed(corner.position, angles[0][..., None]), motion)
 
 
 def coordinates(rig: Rig, model: Any, state: HasState) -> tuple[dict[str, Array], dict[str, Array]]:
@@ -162,7 +173,7 @@ def coordinates(rig: Rig, model: Any, state: HasState) -> tuple[dict[str, Array]
         for axis in rig.axes:
             motions[f"{part.name}.{axis}"] = motion[part.name][..., "xyz".index(axis)]
     for platform in rig.platforms:
-        motions |= {name: column[name] for name in platform.angles}
+        motions |= {name: column[name] for name in rig.angles_of(platform)}
     values = {name: motions[name][0].copy() for name in rig.coordinate_names}
     return values, {name: motions[name][1].copy() for name in rig.coordinate_names}
 
@@ -203,11 +214,12 @@ def tensions(
     ctrl: ArrayLike,
     friction: ArrayLike = 0.0,
 ) -> Array:
-    """Tension of each rope where it leaves its winch, (N, ropes) [N]; a rope cannot push.
+    """Tension of each rope where it leaves its winch, then of each link, (N, ropes + links) [N].
 
     T = (J/r^2) w'' - u/r - F with the length w that is paid out (of a rigid rope: its length), the
     winch's torque u and the force F of friction along w (as MuJoCo has it: negative while the winch
-    pays out).  True of rigid, elastic and slack ropes alike.
+    pays out).  True of rigid, elastic and slack ropes alike.  Links follow from the balance of what
+    they hold, `flatrig.models.mjcf.link_tensions`.
 
     Parameters
     ----------
@@ -230,7 +242,12 @@ def tensions(
             pull = pull - inputs[..., columns[rope.name]] / rope.drum_radius
         pulls.append(pull)
     along: Array = np.stack(pulls, axis=-1) - reals("friction", friction)
-    return along
+    if not rig.links:
+        return along
+    joints = np.stack([reals("a joint's motion", value) for value in (qpos, qvel, qacc)])
+    motion = {name: joints[..., column] for column, name in enumerate(joint_names(rig))}
+    held = link_tensions(rig, motion, points(rig, qpos, qvel, qacc), along, inputs)
+    return np.concatenate((along, held), axis=-1)
 
 
 def _same(rig: Rig, model: Any) -> None:

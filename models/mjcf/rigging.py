@@ -94,7 +94,7 @@ def add_sensors(scene: mujoco.MjSpec, rig: Rig) -> None:
             objtype=mujoco.mjtObj.mjOBJ_SITE,
             objname=body.name,
         )
-    for name in (angle for platform in rig.platforms for angle in platform.angles):
+    for name in rig.platform_angles:
         kind = mujoco.mjtSensor.mjSENS_JOINTPOS
         scene.add_sensor(name=name, type=kind, objtype=mujoco.mjtObj.mjOBJ_JOINT, objname=name)
 

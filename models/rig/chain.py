@@ -17,7 +17,9 @@ from functools import lru_cache
 
 from ..errors import ModelError
 from .frames import carriers, inwards
-from .rig import WORLD, Frame, Load, Platform, Rig, Rope, Trolley, Vector
+from .link import Link as RigLink
+from .rig import WORLD, Frame, Load, Platform, Rig, Trolley, Vector
+from .swings import Swing, Tie, swinging, swings, ties
 
 Mass = Trolley | Load | Platform
 Part = Frame | Mass
@@ -40,6 +42,8 @@ class Link:
     """Value of each joint at home [m], [rad]."""
     sums: tuple[tuple[str, float], ...] = ()
     """Joints and coefficients whose sum is the trolley's position on its rail, if not one joint."""
+    swing: Swing | None = None
+    """How the load swings on a link, if it does; its position is the point that it swings about."""
 
     @property
     def name(self) -> str:
@@ -56,9 +60,6 @@ def links(rig: Rig) -> tuple[Link, ...]:
     ModelError
         Ropes tie together what cannot sit on one chain.
     """
-    if rig.links or (rig.platforms and rig.dimensions == 2):
-        part = "links" if rig.links else "platforms in a plane"
-        raise ModelError(f"rig {rig.name} has {part}, of which there is no MuJoCo model yet")
     components = _components(rig)
     carried_by = [_carrier(rig, members) for members in components]
     chain: list[Link] = []
@@ -80,7 +81,18 @@ def links(rig: Rig) -> tuple[Link, ...]:
         if frame.parent == WORLD:
             stand(frame, None)
     hang(None, None)
+    for swing in swings(rig, {body.name: body.frame for body in chain}):
+        above = next((body for body in chain if body.name == swing.parent), None)
+        zeros = (0.0,) * len(swing.joints)
+        frame, pivot = swing.frame, swing.pivot
+        chain.append(Link(swing.load, above, frame, pivot, swing.joints, zeros, swing=swing))
     return tuple(chain)
+
+
+def stiff_links(rig: Rig) -> tuple[RigLink, ...]:
+    """The links on which nothing swings: they join bodies that other things move already."""
+    swung = [body.swing.link for body in links(rig) if body.swing is not None]
+    return tuple(link for link in rig.links if link not in swung)
 
 
 def joint_names(rig: Rig) -> tuple[str, ...]:
@@ -88,17 +100,18 @@ def joint_names(rig: Rig) -> tuple[str, ...]:
     return tuple(name for link in links(rig) for name in link.joints)
 
 
-def _tied(rig: Rig, rope: Rope) -> set[str]:
-    """Names of what a rope's path touches, a platform in place of its corners."""
+def _tied(rig: Rig, tie: Tie) -> set[str]:
+    """Names of what a rope or link touches, a platform in place of its corners."""
     corners = {a.name: a.frame for a in rig.anchors if rig.platform(a.frame) is not None}
-    return {corners.get(point, point) for point in rope.path}
+    return {corners.get(point, point) for point in tie.points}
 
 
 def _components(rig: Rig) -> list[list[Mass]]:
-    """Trolleys, loads and platforms, grouped by the ropes that tie them together."""
-    groups: list[set[str]] = [{mass.name} for mass in rig.masses]
-    for rope in rig.ropes:
-        tied = [group for group in groups if group & _tied(rig, rope)]
+    """Trolleys, loads and platforms, grouped by what ties them together, but what swings."""
+    loose = {name for group in swinging(rig) for name in group}
+    groups: list[set[str]] = [{mass.name} for mass in rig.masses if mass.name not in loose]
+    for tie in ties(rig):
+        tied = [group for group in groups if group & _tied(rig, tie)]
         if tied:
             groups = [group for group in groups if group not in tied] + [set().union(*tied)]
     components = [[mass for mass in rig.masses if mass.name in group] for group in groups]
@@ -108,14 +121,14 @@ def _components(rig: Rig) -> list[list[Mass]]:
 def _carrier(rig: Rig, members: list[Mass]) -> Frame | None:
     """The frame below which a group of masses hangs; None for the world."""
     names = {mass.name for mass in members}
-    ropes = [rope for rope in rig.ropes if names & _tied(rig, rope)]
+    tied = [tie for tie in ties(rig) if names & _tied(rig, tie)]
     carried = {
         mass.name: rig.rail(mass.rail).frame for mass in members if isinstance(mass, Trolley)
     }
     carried |= {
         anchor.name: anchor.frame
         for anchor in rig.anchors
-        if anchor.frame not in names and any(anchor.name in rope.path for rope in ropes)
+        if anchor.frame not in names and any(anchor.name in tie.points for tie in tied)
     }
     frames = [frame for frame in rig.frames if frame.name in carried.values()]
     chains = [list(carriers(rig.frames, frame)) for frame in frames]
@@ -124,7 +137,7 @@ def _carrier(rig: Rig, members: list[Mass]) -> Frame | None:
         if frame not in longest:
             both = " and ".join(sorted((frame.name, longest[0].name)))
             raise ModelError(
-                f"{_ropes(ropes)} tie frames {both} together, MuJoCo's mass matrix can only hold "
+                f"{_spoken(tied)} tie frames {both} together, MuJoCo's mass matrix can only hold "
                 "ropes on one chain of bodies; use one frame, or let one carry the other"
             )
     carrier = longest[0] if longest else None
@@ -133,16 +146,21 @@ def _carrier(rig: Rig, members: list[Mass]) -> Frame | None:
             where = carried[mass.name]
             rail = "rail is fixed" if where == WORLD else f"rail is in frame {where}"
             raise ModelError(
-                f"{_ropes(ropes)} tie trolley {mass.name}, whose {rail}, to frame "
+                f"{_spoken(tied)} tie trolley {mass.name}, whose {rail}, to frame "
                 f"{carrier.name}; put its rail in frame {carrier.name} or the anchors in "
                 f"{'the world' if where == WORLD else f'frame {where}'}"
             )
     return carrier
 
 
-def _ropes(ropes: list[Rope]) -> str:
-    plural = "s" if len(ropes) > 1 else ""
-    return f"rope{plural} {', '.join(rope.name for rope in ropes)}"
+def _spoken(tied: list[Tie]) -> str:
+    """The ropes and links, in words."""
+    parts = []
+    for kind in ("rope", "link"):
+        names = [tie.label.split()[1] for tie in tied if tie.label.startswith(kind)]
+        if names:
+            parts.append(f"{kind}{'s' if len(names) > 1 else ''} {', '.join(names)}")
+    return " and ".join(parts)
 
 
 def _frame_link(rig: Rig, frame: Frame, parent: Link | None) -> Link:
@@ -215,7 +233,8 @@ def _free_link(rig: Rig, mass: Load | Platform, parent: Link | None, frame: Fram
     joints = tuple(f"{mass.name}.{axis}" for axis in rig.axes)
     home = tuple(position["xyz".index(axis)] for axis in rig.axes)
     if isinstance(mass, Platform):
-        joints, home = (*joints, *mass.angles), (*home, 0.0, 0.0, 0.0)
+        angles = rig.angles_of(mass)
+        joints, home = (*joints, *angles), (*home, *(0.0 for _ in angles))
     return Link(mass, parent, frame, position, joints, home)
 
 

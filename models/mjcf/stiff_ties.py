@@ -1,0 +1,35 @@
+"""Links that close a loop of bodies: tendons so heavy and stiff that their lengths hardly change.
+
+Such a link joins bodies that ropes or other links move already, as two slings do that hold one
+beam.  Its tendon has an armature of `HEAVY` times the mass that it holds, which keeps its rate, and
+a spring and a damper that lead it back where rounding and the integrator have let it drift.
+
+Limits: bodies accelerate as under a link to about 1e-7 of gravity, a share 1 / `HEAVY` and
+the rounding of a mass matrix with that entry.
+"""
+
+import mujoco
+
+from ..rig.chain import stiff_links
+from ..rig.rig import Rig
+from .rigging import lay, tidy
+
+HEAVY = 1e8
+"""Armature over the mass of all that hangs: with less the link gives way, with more the mass matrix
+loses digits."""
+SWIFT = 0.1
+"""Natural frequency of the spring with the armature, over one by the time step; RK4 bears 2.8."""
+DAMPED = 0.7
+"""Damping of that over the critical one."""
+
+
+def add(scene: mujoco.MjSpec, rig: Rig) -> None:
+    """Add the links on which nothing swings."""
+    step = scene.option.timestep
+    inertia = HEAVY * rig.weight / rig.gravity
+    for link in stiff_links(rig):
+        tendon = lay(scene, link.name, link.ends, 1, inertia)
+        length = rig.link_length(link)
+        tendon.springlength = [length, length]
+        tendon.stiffness[0] = tidy(inertia * (SWIFT / step) ** 2)
+        tendon.damping[0] = tidy(2.0 * DAMPED * inertia * SWIFT / step)
