@@ -154,7 +154,7 @@ def crane_features(
     loads = task.loads
     if loads is not None:
         weight = task.rig.weight
-        outputs, ropes = task.rig.outputs, [rope.name for rope in task.rig.ropes]
+        outputs, ropes = task.rig.outputs, task.rig.tension_names
         signals += [
             Signal([f"{name} error" for name in outputs], lambda: loads.errors, True),
             Signal([f"{name} rate error" for name in outputs], lambda: loads.rate_errors, True),

@@ -2,7 +2,8 @@
 
 Seen from the frame that carries a rope, the points it runs through, the places of trolleys on
 their rails and the heights of loads are affine in the joints of `flatrig.models.rig.chain`, and the
-corners of a platform in these and the nine entries of its rotation matrix.  So one product with a
+corners of a platform in these and the nine entries of its rotation matrix, and a load on a link in
+these and the link as a vector.  So one product with a
 small matrix gives the spans of all ropes, their rates and accelerations, and how far everything is
 from where it must not go.
 
@@ -18,11 +19,13 @@ import numpy as np
 
 from ...models.errors import OptionError
 from ...models.mjcf.rig_state import State, coordinates, points
-from ...models.rig.chain import joint_names
+from ...models.mjcf.swinging import way
+from ...models.rig.chain import Link, joint_names, links
 from ...models.rig.lengths import spans
 from ...models.rig.rig import Anchor, Rig
 from ...models.rig.turning_axes import carry
 from ...models.types import Array
+from .payloads import hung
 
 REACH = 25.0
 """How far a joint may go from home: so many times `Scales.length`, or times 1 m if that is longer;
@@ -64,8 +67,8 @@ class Scales:
 class Geometry:
     """The affine map from joints to clearances and spans.
 
-    Its rows act on q numbers: the joints, the rotation matrix of each platform row by row, and a
-    constant 1.
+    Its rows act on q numbers: the joints, the rotation matrix of each platform row by row, the way
+    from the point that it swings about to each load on a link, and a constant 1.
     """
 
     clearances: Array
@@ -82,30 +85,47 @@ class Geometry:
 
 
 def hangers(rig: Rig) -> dict[str, str]:
-    """For each load or corner at the end of a rope, free pulleys excepted, what it hangs from."""
+    """For each load or corner at the end of a rope, free pulleys excepted, what it hangs from.
+
+    Then for each that hangs on a link, from the top down.
+    """
     ends = {load.name for load in rig.loads} - rig.pulleys
     ends |= {anchor.name for anchor in rig.anchors if rig.platform(anchor.frame) is not None}
-    return {rope.path[-1]: rope.path[-2] for rope in rig.ropes if rope.path[-1] in ends}
+    found = {rope.path[-1]: rope.path[-2] for rope in rig.ropes if rope.path[-1] in ends}
+    for low, high in hung(rig):
+        if low not in found and (low in ends or high in ends):
+            found[low] = high
+    return found
 
 
 def angle_joints(rig: Rig) -> list[slice]:
-    """For each platform, the joints that are its Bryant angles, one after the other."""
-    first = [joint_names(rig).index(platform.angles[0]) for platform in rig.platforms]
-    return [slice(joint, joint + 3) for joint in first]
+    """For each platform, the joints that are its angles, one after the other."""
+    angles = [rig.angles_of(platform) for platform in rig.platforms]
+    first = [joint_names(rig).index(own[0]) for own in angles]
+    return [slice(joint, joint + len(own)) for joint, own in zip(first, angles, strict=True)]
+
+
+def swing_bodies(rig: Rig) -> list[Link]:
+    """The bodies of loads that swing on links."""
+    return [body for body in links(rig) if body.swing is not None]
 
 
 def geometry_of(rig: Rig, model: object, home: Array) -> Geometry:
     """Probe the affine map at unit values; `home` is qpos of the rig's home, shape (nq,)."""
     size = len(home)
     platforms = angle_joints(rig)
-    columns = size + 9 * len(platforms)
+    swings = swing_bodies(rig)
+    columns = size + 9 * len(platforms) + 3 * len(swings)
     probes = np.vstack((np.zeros(size), np.eye(columns, size)))
     probes[:, _turning(rig)] = 0.0  # the frame's own axes: its angle does not matter
     for own in platforms:
         probes[:, own] = 0.0
+    for body in swings:
+        probes[:, [joint_names(rig).index(name) for name in body.joints]] = 0.0
     rest = np.zeros_like(probes)
     places = {name: motion[0] for name, motion in points(rig, probes, rest).items()}
     places |= _corners(rig, places, size)
+    places |= _swung(rig, swings, places, size + 9 * len(platforms))
     along = coordinates(rig, model, State(probes, rest))[0]
     heights = {
         name: float(motion[0, 0, 2])
@@ -140,7 +160,13 @@ def geometry_of(rig: Rig, model: object, home: Array) -> Geometry:
 
 
 def turned(motion: Array) -> Array:
-    """Rotation matrices (N, orders, 9), row by row, from Bryant angles (N, orders, 3)."""
+    """Rotation matrices (N, orders, 9), row by row, from Bryant angles (N, orders, 3).
+
+    In a plane from beta alone, (N, orders, 1).
+    """
+    if motion.shape[-1] == 1:
+        none = np.zeros_like(motion)
+        motion = np.concatenate((none, motion, none), axis=-1)
     angles = np.repeat(motion.swapaxes(0, 1)[..., None], 3, axis=-1)
     alpha, beta, gamma = (angles[:, :, index] for index in range(3))
     columns = carry(np.eye(3), (alpha, beta, gamma))  # type: ignore[arg-type]
@@ -159,6 +185,18 @@ def _corners(rig: Rig, places: dict[str, Array], size: int) -> dict[str, Array]:
                     place[first + 3 * row : first + 3 * row + 3, row] += anchor.position
                 corners[anchor.name] = place
     return corners
+
+
+def _swung(rig: Rig, swings: list[Link], places: dict[str, Array], size: int) -> dict[str, Array]:
+    """Loads on links at the probes: where they swing about, and what their `way` adds."""
+    found = dict(places)
+    for index, body in enumerate(swings):
+        assert body.swing is not None
+        place = found[body.swing.upper].copy()
+        first = 1 + size + 3 * index
+        place[first : first + 3] += np.eye(3)
+        found[body.name] = place
+    return {body.name: found[body.name] for body in swings}
 
 
 def _kind(rig: Rig, point: str) -> str:
@@ -189,10 +227,14 @@ def _holds(rig: Rig, vectors: Array, owners: list[int]) -> bool:
     joints = np.random.default_rng(0).normal(size=(8, len(joint_names(rig))))
     still = np.stack((joints, np.zeros_like(joints)), axis=1)
     parts = [turned(still[..., own])[:, 0] for own in angle_joints(rig)]
+    motion = {name: still[..., i].swapaxes(0, 1) for i, name in enumerate(joint_names(rig))}
+    like = still.swapaxes(0, 1)
+    parts += [way(rig, body, motion, like)[0] for body in swing_bodies(rig)]
     ones = np.hstack((joints, *parts, np.ones((8, 1))))
     mine = np.linalg.norm(vectors @ ones.T, axis=1).T
     truth = spans(rig, points(rig, joints, np.zeros_like(joints)))
-    stacked = np.concatenate([truth[rope.name][0] for rope in rig.ropes], axis=-1)
+    none = [np.zeros((8, 0))]
+    stacked = np.concatenate([*none, *(truth[rope.name][0] for rope in rig.ropes)], axis=-1)
     # Rounding leaves 1e-14; a span that is not affine is off by a share of its length.
     return bool(np.allclose(mine, stacked, 1e-9, 1e-9))
 

@@ -1,7 +1,7 @@
 """What a policy sees of a crane: the entries of `flatrig.envs.sensing`, with its own units.
 
 The unit is l, and the typical time tau, of `Scales`; 1 rad for turning frames.  With sensors="full"
-or "sway" follow, for every output and rope, as `flatrig.envs.crane.load_sensors` has them:
+or "sway" follow, for every output, rope and link, as `flatrig.envs.crane.load_sensors` has them:
 
     NAME.error, NAME.rate_error         of the output        over 0.05 l and 0.05 l / tau
     NAME.tension                                             over the loads' weight
@@ -48,7 +48,7 @@ def _beyond_encoders(rig: Rig, scales: Scales, loads: LoadSensors) -> list[Senso
             lambda out: np.copyto(out, loads.rate_errors),
         ),
         Sensor(
-            [f"{rope.name}.tension" for rope in rig.ropes],
+            [f"{name}.tension" for name in rig.tension_names],
             scales.weight,
             lambda out: np.copyto(out, loads.tensions),
         ),

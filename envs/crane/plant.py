@@ -12,13 +12,16 @@ import numpy as np
 
 from ...models.mjcf import rig_model
 from ...models.mjcf.rig_state import State, coordinates, joint_state, points
+from ...models.mjcf.swinging import way
+from ...models.rig.chain import joint_names
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import NOT_FINITE, NOTHING, Ids
 from ..simulations import Simulations, let_errors_show
 from .disturbances import Scenario
 from .friction_forces import DryFriction, ViscousFriction
-from .geometry import angle_joints, geometry_of, hangers, turned
+from .geometry import angle_joints, geometry_of, hangers, swing_bodies, turned
+from .link_forces import LinkForces, add_load_cells
 from .outputs import Outputs
 from .payloads import payloads
 from .plan import CranePlan
@@ -40,9 +43,9 @@ class Plant(Simulations[CranePlan, Scenario]):
     outputs, output_rates
         The rig's outputs as they really are, (n, outputs), and if made with `rates` theirs.
     margins
-        Tensions, then clearances; an episode ends when one is not > 0.
+        Tensions of what cannot push, then clearances; an episode ends when one is not > 0.
     tensions
-        Of the ropes, the first columns of `margins`, (n, ropes) [N].
+        Of the ropes, then of the links, (n, ropes + links) [N].
     reasons
         For each column of `margins`, why.
     """
@@ -69,9 +72,12 @@ class Plant(Simulations[CranePlan, Scenario]):
         self.geometry = geometry_of(rig, self.model, self.home)
         self._bind(rates)
         self._allocate()
-        self._forces = RopeForces(
-            rig, self.model, self.batch, self.geometry, self._spans, self.tensions
-        )
+        ropes = self.tensions[:, : len(rig.ropes)]
+        self._forces = RopeForces(rig, self.model, self.batch, self.geometry, self._spans, ropes)
+        self._links = None
+        if rig.links:
+            held = self.tensions[:, len(rig.ropes) :]
+            self._links = LinkForces(rig, self.model, self.batch, held)
         self._friction = None
         if friction:
             self._friction = DryFriction(rig, self.model, self.batch, frame_friction)
@@ -143,9 +149,11 @@ class Plant(Simulations[CranePlan, Scenario]):
     def _allocate(self) -> None:
         """Work arrays of the affine map, one small product of matrices for each simulation."""
         num, geometry = self.num, self.geometry
-        ropes, clearances = len(self.rig.ropes), len(geometry.reasons)
+        ropes, clearances = len(self.rig.tension_names), len(geometry.reasons)
         joints, size = geometry.spans.shape[-1], self.model.nq
-        self.reasons = (SLACK,) * ropes + geometry.reasons
+        pulling = list(self.rig.pulling)
+        self._pulling = pulling if len(pulling) < ropes else None
+        self.reasons = (SLACK,) * len(pulling) + geometry.reasons
         rows = (np.zeros((ropes, joints)), geometry.clearances, geometry.spans.reshape(-1, joints))
         self._weights = np.ascontiguousarray(np.vstack(rows).T)
         self._joints = np.zeros((num, 3, joints))
@@ -155,9 +163,21 @@ class Plant(Simulations[CranePlan, Scenario]):
             (self._joints[:, :, own], self._joints[:, :, size + 9 * index : size + 9 * index + 9])
             for index, own in enumerate(angle_joints(self.rig))
         ]
+        self._swinging = swing_bodies(self.rig)
+        first = size + 9 * len(self._turning)
+        self._ways = [
+            self._joints[:, :, first + 3 * index : first + 3 * index + 3].swapaxes(0, 1)
+            for index in range(len(self._swinging))
+        ]
+        self._named = {
+            name: self._joints[..., column].T for column, name in enumerate(joint_names(self.rig))
+        }
         self._mapped = np.zeros((num, 3, self._weights.shape[1]))
         self.margins = self._mapped[:, 0, : ropes + clearances]
         self.tensions = self.margins[:, :ropes]
+        if self._pulling is not None:  # what pushes is no reason
+            self._clearances = self.margins[:, ropes:]
+            self.margins = np.ones((num, len(self.reasons)))
         self._spans = self._mapped[:, :, ropes + clearances :]
 
     def _read(self) -> None:
@@ -168,9 +188,21 @@ class Plant(Simulations[CranePlan, Scenario]):
         self._accelerations[...] = self._joint_accelerations
         for angles, rotation in self._turning:
             rotation[...] = turned(angles)
+        if self._swinging:
+            self._swing()
         np.matmul(self._joints, self._weights, self._mapped)
         self._forces.read(self._rubbing())
+        if self._links is not None:
+            self._links.read()
+        if self._pulling is not None:
+            self.margins[:, : len(self._pulling)] = self.tensions[:, self._pulling]
+            self.margins[:, len(self._pulling) :] = self._clearances
         self._outputs.read()
+
+    def _swing(self) -> None:
+        """Where the loads on links are, from the points that they swing about."""
+        for body, place in zip(self._swinging, self._ways, strict=True):
+            place[...] = way(self.rig, body, self._named, place)
 
     def _rubbing(self) -> Array | None:
         """Force of friction along each rope, (n, ropes), None where nothing can rub."""
@@ -195,9 +227,10 @@ class Plant(Simulations[CranePlan, Scenario]):
         self._wind.blow()
 
     def _placed(self, joints: Array, scenario: Scenario) -> Array:
-        """Joints with each hanging load swung about what it hangs from, its rope as long.
+        """Joints with each hanging load swung about what it hangs from, its rope or link as long.
 
         A platform stays upright: it moves as its first corner would about what that hangs from.
+        On links that hang from what swings it moves as that does.
         """
         if not scenario.swing:
             return joints
@@ -206,6 +239,7 @@ class Plant(Simulations[CranePlan, Scenario]):
         place = {name: motion[0, 0] for name, motion in points(self.rig, *state).items()}
         corners = {anchor.name: anchor.frame for anchor in self.rig.anchors}
         moved: set[str] = set()
+        shifts: dict[str, Array] = {}
         for end, above in hangers(self.rig).items():
             length = float(np.linalg.norm(place[end] - place[above]))
             aside = np.sin(scenario.swing) * heading(self.rig, scenario.swing_direction)
@@ -216,7 +250,9 @@ class Plant(Simulations[CranePlan, Scenario]):
                 continue
             moved.add(name)
             if name != end:
-                swung = place[name] + swung - place[end]
+                swung = place[name] + (shifts[above] if above in shifts else swung - place[end])
+            shifts[name] = swung - place[name]
+            place[name] = swung
             for axis in self.rig.axes:
                 values[f"{name}.{axis}"] = swung["xyz".index(axis), None]
         return np.asarray(joint_state(self.rig, self.model, values).qpos[0])
@@ -236,6 +272,7 @@ def _model(
                 objtype=mujoco.mjtObj.mjOBJ_SITE,
                 objname=part.name,
             )
+        add_load_cells(scene, rig)
 
     return rig_model.compile(
         rig,

@@ -69,7 +69,8 @@ class RopeForces:
         out = self._out
         if not self._affine:
             state = (self._qpos, self._qvel, self._qacc, self._ctrl)
-            out[...] = tensions(self._rig, *state, 0.0 if friction is None else friction)
+            every = tensions(self._rig, *state, 0.0 if friction is None else friction)
+            out[...] = every[:, : len(self._rig.ropes)]
             return
         self._left_motion[...] = self._motion
         self._right_motion[...] = self._reverse
