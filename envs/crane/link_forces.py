@@ -1,8 +1,8 @@
 """Forces in links at every step: what a load cell in each of them would read.
 
 Where a load swings on a link, MuJoCo's force sensor at the load tells what holds it, with all
-masses and forces as they are.  Where a link closes a loop of bodies, the tension is that of its tendon's
-spring and damper, which follow the link's own within a hundredth of a second.
+masses and forces as they are.  Where a link closes a loop of bodies, the tension is that of its
+tendon's spring and damper, which follow the link's own within a hundredth of a second.
 """
 
 from typing import Any

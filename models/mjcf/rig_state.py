@@ -241,7 +241,8 @@ def tensions(
         if rope.name in columns:
             pull = pull - inputs[..., columns[rope.name]] / rope.drum_radius
         pulls.append(pull)
-    along: Array = np.stack(pulls, axis=-1) - reals("friction", friction)
+    none = np.zeros((*inputs.shape[:-1], 0))
+    along: Array = np.stack(pulls, axis=-1) - reals("friction", friction) if pulls else none
     if not rig.links:
         return along
     joints = np.stack([reals("a joint's motion", value) for value in (qpos, qvel, qacc)])

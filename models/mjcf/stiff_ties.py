@@ -14,7 +14,7 @@ from ..rig.chain import stiff_links
 from ..rig.rig import Rig
 from .rigging import lay, tidy
 
-HEAVY = 1e8
+HEAVY = 2e8
 """Armature over the mass of all that hangs: with less the link gives way, with more the mass matrix
 loses digits."""
 SWIFT = 0.1

@@ -84,8 +84,9 @@ def links(rig: Rig) -> tuple[Link, ...]:
     for swing in swings(rig, {body.name: body.frame for body in chain}):
         above = next((body for body in chain if body.name == swing.parent), None)
         zeros = (0.0,) * len(swing.joints)
-        frame, pivot = swing.frame, swing.pivot
-        chain.append(Link(swing.load, above, frame, pivot, swing.joints, zeros, swing=swing))
+        chain.append(
+            Link(swing.load, above, swing.frame, swing.pivot, swing.joints, zeros, swing=swing)
+        )
     return tuple(chain)
 
 
