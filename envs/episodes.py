@@ -22,7 +22,7 @@ from .plans import Layout, Planner, PlanT
 from .ranges import Ranges, ScenarioT
 from .rewards import Reward
 from .sensing import Observation
-from .signals import Commands, Encoders, Rows
+from .signals import Band, Commands, Encoders, Rows
 from .simulations import Simulations
 
 TIME = "time"
@@ -45,7 +45,9 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
     period: float
     """Time between two steps [s]."""
     limits: Array
-    """Limits of the inputs, shape (drives,) [N, N m]."""
+    """Largest magnitudes of the inputs, shape (drives,) [N, N m]."""
+    band: Band
+    """What actions are clipped to."""
     plant: Simulations[PlanT, ScenarioT]
     """The simulations."""
     planner: Planner[PlanT]
@@ -76,7 +78,7 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         self.period = substeps * timestep
         return substeps
 
-    def _start(self, layout: Layout, levers: Array, length: float) -> None:
+    def _start(self, layout: Layout, levers: Array, length: float, band: Band) -> None:
         """Prepare for first episodes; levers of outputs and a length [m] are the reward's."""
         num = self.num
         self.rows = Rows(layout, num, self.planner.fixed)
@@ -87,11 +89,9 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         self.scenarios = [self._undisturbed] * num
         self.plans = cast("list[PlanT]", [self.planner.fixed] * num)
         self._new = set(range(num))
-        self._steps = np.zeros(num, dtype=np.int64)
-        self._countdown = 0
-        self._commands = Commands(self._reward.change)
-        self._scale = np.tile(self.limits, (num, 1))
-        self._one = np.ones(num, dtype=np.int64)
+        self._steps, self._countdown = np.zeros(num, dtype=np.int64), 0
+        self.band, self._commands = band, Commands(self._reward.change, band)
+        self._scale, self._one = np.tile(self.limits, (num, 1)), np.ones(num, dtype=np.int64)
         self._names = self.action_names
 
     @property
@@ -175,7 +175,7 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         Parameters
         ----------
         actions
-            Inputs over their limits, (n, drives); clipped to [-1, 1].
+            Inputs over their limits, (n, drives); clipped to `band`, mostly [-1, 1].
         ids
             The simulations to step, sorted; None for all.  The others stay as they are.
 

@@ -1,7 +1,7 @@
 """Between controller and plant: encoders that count, inputs that come late, plans read by row."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -88,6 +88,21 @@ class Encoders:
         return np.where(self._resolution > 0, np.round(true / grain) * grain, true)
 
 
+class Band(NamedTuple):
+    """What commands are kept in, inputs over the limits, shape (drives,) each."""
+
+    lowest: Array
+    highest: Array
+    step: Array
+    """By how much they may change in a period; infinite where they may by any."""
+
+
+def whole_band(drives: int) -> Band:
+    """The band of drives with symmetric limits that take any change."""
+    ones = np.ones(drives)
+    return Band(-ones, ones, np.inf * ones)
+
+
 class Commands:
     """What controllers ask of the drives of n plants: clipped, and handed on after a delay.
 
@@ -99,13 +114,14 @@ class Commands:
         By how much they differ from those of the step before, (n, drives).
     """
 
-    def __init__(self, change: Array) -> None:
+    def __init__(self, change: Array, band: Band) -> None:
         num, drives = change.shape
         self.last, self.change = np.zeros((num, drives)), change
         self._clipped = np.zeros((num, drives))
         # NumPy is fastest where all operands have the same shape: constants are repeated.
-        self._highest = np.ones((num, drives))
-        self._lowest = -self._highest
+        self._highest = np.tile(band.highest, (num, 1))
+        self._lowest = np.tile(band.lowest, (num, 1))
+        self._step = None if np.isinf(band.step).all() else np.tile(band.step, (num, 1))
         self._periods = np.zeros(num, dtype=np.int64)
         self._sent = np.zeros((LONGEST_DELAY + 1, num, drives))
         self._every = np.arange(num)
@@ -123,6 +139,9 @@ class Commands:
         clipped = self._clipped
         np.maximum(actions, self._lowest, out=clipped)
         np.minimum(clipped, self._highest, out=clipped)
+        if self._step is not None:
+            np.maximum(clipped, self.last - self._step, out=clipped)
+            np.minimum(clipped, self.last + self._step, out=clipped)
         np.subtract(clipped, self.last, self.change)
         self.last[...] = clipped
         if not self._late:

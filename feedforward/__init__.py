@@ -9,6 +9,7 @@ Example::
 """
 
 from .dae import Integration, integrate
+from .exact.drive_limits import driven_unit
 from .exact.equations import Equations, redundant
 from .exact.motion import Motion, Slack
 from .exact.problem import analyse, equations_of
@@ -23,8 +24,9 @@ from .paths.recordings import from_csv, sampled
 from .paths.reference import Reference
 from .paths.straight import hold, rest_to_rest, three_phase
 from .planning.bisector import Beside, Bisected, beside, bisected, massless
-from .planning.feasibility import Feasibility, Sizing, check, driven_unit
+from .planning.feasibility import Feasibility, check
 from .planning.obstacles import Box, Clearance, Sphere, clearance
+from .planning.sizing import Sizing
 from .planning.timing import Scaled, Shortest, scaled, shortest_duration
 from .planning.uncertainty import input_uncertainty
 from .solving.inverse import solve

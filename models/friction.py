@@ -23,6 +23,10 @@ from .errors import OptionError
 from .types import Array
 from .values import bounded, reals
 
+REST = 1e-8
+"""Speed below which a part stands still [m/s, rad/s]: it guards against a sign that only rounding
+has chosen, and makes less than a micrometre in a minute."""
+
 
 @dataclass(frozen=True)
 class Friction:
@@ -71,3 +75,13 @@ class Friction:
         """Force against the motion [N], of the sign and the shape of `velocity` [m/s]."""
         speed = reals("velocity", velocity, error=OptionError)
         return np.asarray(self.dry(speed) * np.tanh(speed / self.width) + self.viscous * speed)
+
+    def sliding(self, velocity: ArrayLike) -> Array:
+        """Coulomb and viscous friction with the exact sign, none of the first at rest [N]."""
+        speed = reals("velocity", velocity, error=OptionError)
+        return self.coulomb * direction(speed) + self.viscous * speed
+
+
+def direction(velocity: Array) -> Array:
+    """1, 0 or -1: the sign of a speed, zero within `REST`."""
+    return np.asarray((velocity > REST) * 1.0 - (velocity < -REST) * 1.0)

@@ -114,7 +114,7 @@ def _shortest(holds: Callable[[float], bool], typical: float) -> float | None:
 @lru_cache(maxsize=32)
 def _bounds(rig: Rig, move: Move, share: float) -> Array:
     """The most of every input that a drawn move may use, shape (drives,) [N, N m]."""
-    limits = np.array([drive.limit for drive in rig.drives])
+    limits = np.array([drive.largest for drive in rig.drives])
     try:
         own = np.abs(_motion(rig, move).inputs).max(axis=0)
     except SmoothnessError:

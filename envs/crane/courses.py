@@ -38,7 +38,7 @@ def planned(rig: Rig, model: mujoco.MjModel, plan: CranePlan, load_mass: float =
     instants = plan.period * np.arange(plan.since, max(last, plan.since + 2))
     middles = instants + 0.5 * plan.period
     motion = feedforward.solve(true, plan.reference, np.concatenate((instants, middles)))
-    count, limits = len(instants), np.array([drive.limit for drive in rig.drives])
+    count, limits = len(instants), np.array([drive.largest for drive in rig.drives])
     values, rates = (
         dict(zip(motion.coordinate_names, columns[:count].T, strict=True))
         for columns in (motion.positions, motion.velocities)

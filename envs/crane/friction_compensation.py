@@ -38,8 +38,7 @@ class CompensationLaw(Law):
 
     def __init__(self, task: CraneTask, frictions: list[Friction | None], speed: Speed) -> None:
         self._task, self._frictions, self._measured = task, frictions, speed == "measured"
-        driven = [task.rig.driven(drive) for drive in task.rig.drives]
-        arms = [part.drum_radius if isinstance(part, Rope) else 1.0 for part in driven]
+        arms = [task.rig.arm(drive) for drive in task.rig.drives]
         self._scale = np.array(arms) / task.limits
 
     def apply(self, actions: Array) -> Array:

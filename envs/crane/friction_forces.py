@@ -2,7 +2,8 @@
 
 Dry friction is MuJoCo's `frictionloss` on tendons and joints: it sticks.  With static friction
 above Coulomb's (Stribeck, K remark 31) its bound follows the speed substep by substep, as
-`flatrig.models.friction` has it.  Viscous friction is MuJoCo's damping, exact with RK4.
+`flatrig.models.friction` has it.  Viscous friction is MuJoCo's damping, exact with RK4.  What a
+scenario has comes on top of what the rig is described with.
 
 The force of dry friction is exact but for one case.  MuJoCo's batch tells the sum of all friction
 on a joint; where a rope and a trolley rub on the same one, as the rope that pulls the roped
@@ -53,7 +54,8 @@ class DryFriction:
         self._on_tendon = batch.expand("tendon_frictionloss")
         self._on_joint = batch.expand("dof_frictionloss")
         self._rates, self._speeds = batch.bind("ten_velocity"), batch.bind("qvel")
-        self._coulomb = (np.zeros_like(self._on_tendon), np.zeros_like(self._on_joint))
+        self._described = (model.tendon_frictionloss.copy(), model.dof_frictionloss.copy())
+        self._coulomb = (np.array(self._on_tendon), np.array(self._on_joint))
         self._surplus, self._falling = np.zeros((num, 1)), np.ones((num, 1))
         self._force = batch.bind("qfrc_constraint")
         self._sparse = batch.bind("ten_J")
@@ -78,11 +80,12 @@ class DryFriction:
 
     def set(self, sim: int, scenario: Scenario) -> None:
         """Friction of one simulation."""
-        on_tendon, on_joint = self._coulomb
-        on_tendon[sim, self._at.winches] = scenario.winch_friction
-        on_tendon[sim, self._at.sums] = scenario.trolley_friction
-        on_joint[sim, self._at.slides] = scenario.trolley_friction
-        on_joint[sim, self._at.frames] = scenario.frame_friction
+        at, (on_tendon, on_joint) = self._at, self._coulomb
+        on_tendon[sim], on_joint[sim] = self._described
+        on_tendon[sim, at.winches] += scenario.winch_friction
+        on_tendon[sim, at.sums] += scenario.trolley_friction
+        on_joint[sim, at.slides] += scenario.trolley_friction
+        on_joint[sim, at.frames] += scenario.frame_friction
         self._on_tendon[sim], self._on_joint[sim] = on_tendon[sim], on_joint[sim]
         self._surplus[sim] = scenario.static_friction - 1.0
         self._falling[sim] = scenario.stribeck_velocity
@@ -116,20 +119,23 @@ class DryFriction:
 
 
 class ViscousFriction:
-    """Friction in proportion to speed; made where some scenario has any."""
+    """Friction in proportion to speed; made where the rig or some scenario has any."""
 
     def __init__(self, rig: Rig, model: mujoco.MjModel, batch: Batch) -> None:
         self._at = Places(rig, model)
         self._on_tendon = batch.expand("tendon_damping")
         self._on_joint = batch.expand("dof_damping")
+        self._described = (model.tendon_damping.copy(), model.dof_damping.copy())
         self._rates = batch.bind("ten_velocity")
 
     def set(self, sim: int, scenario: Scenario) -> None:
         """Friction of one simulation."""
-        self._on_tendon[sim, self._at.winches] = scenario.winch_viscous
-        self._on_tendon[sim, self._at.sums] = scenario.trolley_viscous
-        self._on_joint[sim, self._at.slides] = scenario.trolley_viscous
-        self._on_joint[sim, self._at.frames] = scenario.frame_viscous
+        at, on_tendon, on_joint = self._at, self._on_tendon, self._on_joint
+        on_tendon[sim], on_joint[sim] = self._described
+        on_tendon[sim, at.winches] += scenario.winch_viscous
+        on_tendon[sim, at.sums] += scenario.trolley_viscous
+        on_joint[sim, at.slides] += scenario.trolley_viscous
+        on_joint[sim, at.frames] += scenario.frame_viscous
 
     def read(self) -> Array:
         """Force along each rope, (n, ropes) [N]; negative while it is paid out."""

@@ -71,7 +71,7 @@ def swing_mode(plant: Plant, plan: CranePlan, gains: Array) -> Mode | None:
     gains
         Of each drive, over the limits: of stiffness, then of damping, shape (2 drives,).
     """
-    limits = np.array([drive.limit for drive in plant.rig.drives])
+    limits = np.array([drive.largest for drive in plant.rig.drives])
     goal: dict[str, Any] = {name: values[-1:] for name, values in plan.course.items()}
     joints = np.asarray(joint_state(plant.rig, plant.model, goal).qpos)
     masses, gradients = (parts[0] for parts in gradients_of(plant, joints))

@@ -110,7 +110,7 @@ class Line:
     def __init__(self, rig: Rig, plan: CranePlan, step: int) -> None:
         self.rig, self.step, self._left, self._since = rig, step, plan, step
         period = plan.period
-        self._limits = np.array([drive.limit for drive in rig.drives])
+        self._limits = np.array([drive.largest for drive in rig.drives])
         begin = plan.state(rig, step)
         self.stream = feedforward.Stream(rig, begin, rate=1.0 / period)
         self._now = begin.derivatives

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ... import feedforward
+from ...feedforward.exact.drive_limits import uses
+from ...feedforward.exact.motion import Motion
 from ...feedforward.exact.state import State
 from ...feedforward.paths.joined import Joined
 from ...feedforward.paths.reference import Reference
@@ -63,7 +65,7 @@ class CranePlan(Plan):
         moving = _moving(self.reference, self.period, self.steps) - self.since
         instants = self.period * (self.since + np.arange(moving) + 0.5)
         inputs = feedforward.solve(reloaded(rig, load_mass), self.reference, instants).inputs
-        limits = np.array([drive.limit for drive in rig.drives])
+        limits = np.array([drive.largest for drive in rig.drives])
         return np.pad(inputs / limits, ((0, len(self.rows) - moving), (0, 0)), mode="edge")
 
 
@@ -123,7 +125,7 @@ def _plan(
     rig: Rig, reference: Reference, period: float, hold: float, left: Leaving | None
 ) -> CranePlan:
     """A plan, from rest or from another one on."""
-    limits = np.array([drive.limit for drive in rig.drives])
+    limits = np.array([drive.largest for drive in rig.drives])
     begin, since = (None, 0) if left is None else (left.state, left.step)
     steps = max(1, round((reference.duration + hold) / period))
     instants = period * np.arange(steps + 1 + max(steps_ahead(period)))
@@ -131,7 +133,7 @@ def _plan(
     motion = feedforward.solve(rig, reference, np.concatenate((instants, middles)), begin=begin)
     if motion.slack:
         raise OptionError(f"an environment needs taut ropes, but {motion.slack[0]}")
-    _within_limits(rig, motion.inputs, limits)
+    _within_limits(motion)
 
     outputs, output_rates = reference.derivatives(now, 1)
     arrived = np.minimum(now / reference.duration, 1.0)[:, None]
@@ -186,13 +188,21 @@ def _at_rest(
     return now, feedforward.solve(rig, reference, arrived, begin=left.state).inputs[0] / limits
 
 
-def _within_limits(rig: Rig, inputs: Array, limits: Array) -> None:
-    """Refuse a reference that asks more of a drive than it can give, friction not counted."""
-    most = np.abs(inputs).max(axis=0)
-    for drive, value, limit in zip(rig.drives, most, limits, strict=True):
-        if value > limit:
-            unit = feedforward.driven_unit(rig, drive)
+def _within_limits(motion: Motion) -> None:
+    """Refuse a reference that asks more of a drive than it can give."""
+    order = np.argsort(motion.times, kind="stable")
+    driven = motion.driven
+    inputs, speeds, accelerations = (
+        part[order].T
+        for part in (
+            motion.inputs, motion.velocities[:, driven], motion.accelerations[:, driven],
+        )
+    )  # fmt: skip
+    for use in uses(motion.rig, motion.times[order], inputs, speeds, accelerations):
+        if use.spare().min() < 0.0:
+            value, limit = use.at(use.tightest())
             raise OptionError(
-                f"drive {drive.name} would have to give {value:.4g} {unit} even without friction, "
-                f"its limit is {limit:.4g} {unit}; take a longer duration or a higher limit"
+                f"drive {use.drive.name} would have to give {use.words(value)} even without "
+                f"disturbances, its limit is {limit:.4g} {use.unit}; take a longer duration or a "
+                "higher limit"
             )

@@ -79,9 +79,13 @@ class Plant(Simulations[CranePlan, Scenario]):
             held = self.tensions[:, len(rig.ropes) :]
             self._links = LinkForces(rig, self.model, self.batch, held)
         self._friction = None
-        if friction:
-            self._friction = DryFriction(rig, self.model, self.batch, frame_friction)
+        described = self.model.tendon_frictionloss.any(), self.model.dof_frictionloss.any()
+        if friction or any(described):
+            frames = frame_friction or any(frame.friction.coulomb for frame in rig.frames)
+            self._friction = DryFriction(rig, self.model, self.batch, frames)
         self._viscous: ViscousFriction | None = None
+        if self.model.tendon_damping.any() or self.model.dof_damping.any():
+            self._viscous = ViscousFriction(rig, self.model, self.batch)
         self._wind = Wind(rig, self.model, self.batch)
         self.qpos[...] = self.home  # a first reset may be of some simulations only
         self.batch.forward()

@@ -28,6 +28,7 @@ from ..gains import Gains, Track
 from ..sensing import Observation
 from .along_plans import AlongPlans
 from .disturbances import Disturbances, Scenario
+from .drive_band import PowerLimits, band_of
 from .lead import Line
 from .load_sensors import SWAY, LoadSensors, SwaySensors
 from .observation import observation_of
@@ -100,7 +101,7 @@ class CraneTask(Task[CranePlan, Scenario]):
         self.massless = massless
         substeps = self._prepare(num, sensors, rate, timestep, hold, nthread)
         self.disturbances = Disturbances.of(disturbances, self.rig)
-        self.limits = np.array([drive.limit for drive in self.rig.drives])
+        self.limits = np.array([drive.largest for drive in self.rig.drives])
         self.planner = CranePlanner(self.rig, reference, self.period, hold, move)
         self.plant = Plant(
             self.rig,
@@ -115,7 +116,9 @@ class CraneTask(Task[CranePlan, Scenario]):
         )
         self.scales = self.plant.geometry.scales
         self._lines: dict[int, Line] = {}
-        self._start(layout_of(self.rig), levers(self.rig, self.scales), self.scales.length)
+        self._power = PowerLimits(self.plant, self.limits)
+        arms, band = levers(self.rig, self.scales), band_of(self.rig, self.period)
+        self._start(layout_of(self.rig), arms, self.scales.length, band)
 
     @property
     def action_names(self) -> tuple[str, ...]:
@@ -268,7 +271,7 @@ class CraneTask(Task[CranePlan, Scenario]):
         for sim in (self.all if ids is None else ids).tolist() if self._lines else ():
             if sim in self._lines and self._lines[sim].step == self.steps[sim]:
                 self.lead(np.zeros((1, len(self.rig.outputs))), self.all[sim : sim + 1])
-        reward = super()._advance(actions, ids)
+        reward = super()._advance(self._power.keep(actions), ids)
         if self.loads is not None:
             self.loads.step(self.steps)
         return reward

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from ...feedforward.exact.losses import losses_of
 from ...models.errors import OptionError
 from ...models.rig.rig import Rope
 from ...models.types import Array
@@ -46,7 +47,9 @@ class TautBand:
         now, pulls = self._task.rows.parts["feedforward"], self._room.now()
         lowest, highest = now - (MOST - 1.0) * pulls, now + (1.0 - LEAST) * pulls
         # Where a plan itself goes to a limit, something is left still.
-        return np.clip(lowest, -1.0, 1.0), np.clip(highest, -1.0, 1.0)
+        band = self._task.band
+        lowest, highest = (np.clip(edge, band.lowest, band.highest) for edge in (lowest, highest))
+        return lowest, highest
 
     def _rooms(self, plan: CranePlan) -> Array:
         return pulls_of(self._task, plan)
@@ -61,11 +64,14 @@ def pulls_of(task: CraneTask, plan: CranePlan) -> Array:
     inputs = plan.rows[:, columns["feedforward"]]
     rates = plan.rows[:, columns["drives"]][:, drives:]
     pulls = np.full_like(inputs, np.inf)
+    losses = losses_of(task.rig)
+    if losses is not None:  # what friction takes does not pull
+        inputs = losses.delivered(inputs * task.limits, rates) / task.limits
     for column, drive in enumerate(task.rig.drives):
         rope = task.rig.driven(drive)
         if isinstance(rope, Rope):
             change = np.diff(rates[:, column], append=rates[-1, column]) / plan.period
-            inertia = rope.inertia_along * rope.drum_radius / task.limits[column]
+            inertia = rope.inertia_along * task.rig.arm(drive) / task.limits[column]
             pulls[:, column] = np.maximum(inertia * change - inputs[:, column], 0.0)
     return pulls
 

@@ -45,7 +45,8 @@ class RopeForces:
         drives = {drive.on: column for column, drive in enumerate(rig.drives)}
         wound = [drives.get(rope.name, 0) for rope in rig.ropes]
         self._wound = evenly(wound) or wound
-        gears = [(rope.name in drives) / rope.drum_radius for rope in rig.ropes]
+        over = {drive.on: 1.0 / rig.arm(drive) for drive in rig.drives}
+        gears = [over.get(rope.name, 0.0) for rope in rig.ropes]
         self._gears = np.tile(gears, (num, 1))
         self._inertia = np.tile([rope.inertia_along for rope in rig.ropes], (num, 1))
         self._first = np.flatnonzero(np.diff(owners, prepend=-1))

@@ -24,6 +24,7 @@ from ..episodes import Task
 from ..gains import Gains, Track
 from ..rewards import NEAR
 from ..sensing import Observation
+from ..signals import whole_band
 from .disturbances import HandDisturbances, HandScenario
 from .goals import HandPlanner, HandReference, as_hand
 from .observation import drive_names, observation_of, pose_error
@@ -95,7 +96,8 @@ class HandTask(Task[HandPlan, HandScenario]):
         )
         # Half the squared difference of two rotation matrices is the squared angle, if small.
         levers = np.repeat((1.0, hand.held.radius / np.sqrt(2.0)), (3, 9))
-        self._start(hand_layout(hand), levers, hand.held.radius * NEAR_SHARE / NEAR)
+        band = whole_band(len(self.limits))
+        self._start(hand_layout(hand), levers, hand.held.radius * NEAR_SHARE / NEAR, band)
 
     @property
     def action_names(self) -> tuple[str, ...]:

@@ -2,7 +2,8 @@
 
 With q = phi(x), P = d phi and the equations of motion in polynomial coordinates,
 
-    motion      = P^T (M q'' - f + G^T multipliers - (B + B'q) u),   q'' = P x'' + d2 phi (x', x')
+    motion      = P^T (M q'' + D q' - f + G^T multipliers - (B + B'q) u),
+                  q' = P x',   q'' = P x'' + d2 phi (x', x')
     constraints = Phi(phi(x)) of those that are left
 
 (Y 4.11, 5.33, 5.113): one set of generated equations and a null-space reduction, no second one
@@ -24,7 +25,7 @@ class Forces(NamedTuple):
     place: Place
     """Configuration and coordinate map."""
     unbalanced: Array
-    """Sum M q'' - f + G^T multipliers - (B + B'q) u, shape (n,)."""
+    """Sum M q'' + D q' - f + G^T multipliers - (B + B'q) u, shape (n,)."""
     gradient: Array
     """Gradients G of all constraints, shape (m, n)."""
 
@@ -70,6 +71,8 @@ class Mechanics:
         gradient = e.constraints[:, :-1, :-1] @ place.q + e.constraints[:, :-1, -1]
         inertia = e.mass @ place.second(rate, acceleration)
         unbalanced = inertia - e.force - self._input(place.q) @ inputs
+        if e.damping is not None:
+            unbalanced += e.damping @ (place.slope @ rate)
         unbalanced += multipliers @ gradient[list(self.coordinates.multipliers)]
         return Forces(place, unbalanced, gradient)
 
@@ -103,6 +106,10 @@ class Mechanics:
             bend = place.bend.reshape(len(place.q), -1)
             position += (forces.unbalanced @ bend).reshape(position.shape)
             turning = 2.0 * across @ e.mass @ (place.bend @ rate)
+        if e.damping is not None:
+            turning = turning + across @ e.damping @ place.slope
+            if place.bend is not None:
+                position += across @ e.damping @ (place.bend @ rate)
         return Slopes(
             position=position,
             rate=turning,

@@ -159,6 +159,7 @@ class Terms:
         servo: list[tuple[float, ...]] = []
         for i, (row, order) in enumerate(rows):
             linear += [(i, slots[j, order], a) for a, j in row.linear]
+            linear += [(i, slots[j, order + 1], a) for a, j in row.first]
             linear += [(i, slots[j, order + 2], a) for a, j in row.second]
             quadratic += [
                 (i, slots[j, part], slots[k, order - part], a * math.comb(order, part))

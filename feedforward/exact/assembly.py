@@ -6,10 +6,10 @@ import numpy as np
 
 from ...models.rig.lengths import own_spans
 from ...models.rig.rig import WORLD, Frame, Link, Load, Platform, Rig, Rope, Trolley
-from ...models.rig.unsolved import refuse_unsolved
 from ...models.types import Array
 from .equations import Constraint, Equations, Orientation
 from .frame_rows import Frames, swung
+from .losses import damping
 
 MORE = 6
 """Coordinates that a frame may add at most: its two directions across its axis."""
@@ -17,7 +17,6 @@ MORE = 6
 
 def assemble(rig: Rig) -> Equations:
     """The equations of motion of a rig."""
-    refuse_unsolved(rig)
     return _Builder(rig).build()
 
 
@@ -63,6 +62,7 @@ class _Builder:
             roles=tuple(self.roles),
             mass=self.mass,
             force=self.force,
+            damping=damping(self.rig, self.names),
             constraints=stacked,
             input_constant=self.inputs[:, :, -1],
             input_linear=self.inputs[:, :, :-1],
@@ -291,8 +291,7 @@ class _Builder:
             if isinstance(part, Frame) and part.kind == "turning":
                 # Virtual work M d(angle), with d(angle) = cos d(sin) - sin d(cos).
                 cos, sin = self.index(f"{part.name}.cos"), self.index(f"{part.name}.sin")
-                self.inputs[sin, column, cos] = 1.0
-                self.inputs[cos, column, sin] = -1.0
+                self.inputs[sin, column, cos] = drive.gear
+                self.inputs[cos, column, sin] = -drive.gear
             else:
-                gear = 1.0 / part.drum_radius if isinstance(part, Rope) else 1.0
-                self.inputs[self.index(part.coordinate), column, -1] = gear
+                self.inputs[self.index(part.coordinate), column, -1] = 1.0 / self.rig.arm(drive)

@@ -2,7 +2,7 @@
 
 In redundant coordinates q every term is a polynomial of degree two or less:
 
-    M q'' = f - sum_k multiplier_k grad(Phi_k) + (B + B'q) u
+    M q'' = f - D q' - sum_k multiplier_k grad(Phi_k) + (B + B'q) u
     0     = Phi_k(q) = 1/2 (q, 1)^T S_k (q, 1)
 
 with a constant mass matrix M, possibly singular (Y 5.102, K 3.39).  To make them so
@@ -36,6 +36,7 @@ from ...models.errors import RigError, did_you_mean
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..series.rotation import matrix
+from .losses import losses_of
 
 
 class Constraint(NamedTuple):
@@ -79,6 +80,8 @@ class Equations:
     """Mass matrix, shape (n, n)."""
     force: Array
     """Gravity, shape (n,)."""
+    damping: Array | None
+    """D, shape (n, n), if anything rubs or drags that no drive acts on: then -D q' is a force."""
     constraints: Array
     """Matrices S_k, symmetric, shape (m, n + 1, n + 1)."""
     input_constant: Array
@@ -166,7 +169,14 @@ class Equations:
         matrix[:, :n, :n] = self.mass
         matrix[:, :n, n:] = np.swapaxes(jacobian, 1, 2)
         matrix[:, n:, :n] = jacobian
-        applied = self.force + np.einsum("nia,na->ni", self.input_matrix(state), inputs)
+        arms, losses = self.input_matrix(state), losses_of(self.rig)
+        if losses is not None:
+            # Power is input times speed of the motor, whatever its coordinate.
+            speeds = losses.arms * np.einsum("nia,ni->na", arms, rate)
+            inputs = losses.delivered(inputs, speeds)
+        applied = self.force + np.einsum("nia,na->ni", arms, inputs)
+        if self.damping is not None:
+            applied -= rate @ self.damping
         right = np.concatenate((applied, -self.constraint_curvature(rate)), axis=1)
         solution = np.linalg.solve(matrix, right[..., None])[..., 0]
         return solution[:, :n], solution[:, n:]

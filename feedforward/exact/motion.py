@@ -103,17 +103,17 @@ class Motion:
     @property
     def drive_positions(self) -> Array:
         """What an encoder on each drive reads: angle, position or rope length, (N, drives)."""
-        return self.positions[:, self._drives]
+        return self.positions[:, self.driven]
 
     @property
     def drive_velocities(self) -> Array:
         """Rates of `drive_positions`, shape (N, drives)."""
-        return self.velocities[:, self._drives]
+        return self.velocities[:, self.driven]
 
     @property
-    def _drives(self) -> list[int]:
-        rig = self.rig
-        return [self.column(rig.driven(drive).coordinate) for drive in rig.drives]
+    def driven(self) -> list[int]:
+        """Columns of the coordinates that drives act on."""
+        return [self.column(name) for name in self.rig.driven_coordinates]
 
     def at(self, time: float) -> State:
         """The state at any time [s], for a motion that continues this one from there.

@@ -6,6 +6,7 @@ from ...models.types import Array
 from ..series.products import factorials
 from ..series.rotation import bryant
 from .equations import Equations, Orientation
+from .losses import losses_of
 from .motion import Motion, find_slack
 from .problem import Problem
 from .taylor import Solution
@@ -49,14 +50,18 @@ def named_motion(
     multipliers
         Of the constraints, shape (N, m).
     inputs
-        Shape (N, inputs).
+        Of the equations, without friction of what drives act on and losses of gears, which are
+        added here, shape (N, inputs).
     """
     columns = dict(zip(equations.names, state, strict=True))
     for name, cos, sin in equations.turning:
         columns[name] = _turning_angle(state[cos], state[sin], angles[name])
     columns |= platforms | _held(equations, state.shape[1:])
-    names = coordinate_names(equations)
+    names, losses = coordinate_names(equations), losses_of(equations.rig)
     kinematics = np.array([columns[name] for name in names]).transpose(1, 2, 0)
+    if losses is not None:
+        driven = [names.index(name) for name in equations.rig.driven_coordinates]
+        inputs = losses.asked(inputs, kinematics[1][:, driven])
     tensions = equations.tensions(state[:, 0].T, multipliers)
     return Motion(
         rig=equations.rig,

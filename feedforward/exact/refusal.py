@@ -1,11 +1,13 @@
 """What a rig cannot do, found in a solution and said in one line with time and place."""
 
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
 
 from ...models.errors import PathError, RigError, SmoothnessError
 from ...models.rig.rig import Rig, require_rig
+from ...models.rig.rope_ends import RopeEnd, rope_ends
 from ...models.types import Array
 from ..checks import check_duration, check_order, every
 from ..paths.reference import Reference
@@ -244,7 +246,7 @@ def negative_span(equations: Equations, values: Array) -> tuple[int, str] | None
 
 
 def stay_on_rails(rig: Rig, names: tuple[str, ...], positions: Array, times: Array) -> None:
-    """Refuse a motion (coordinates, N) in which a trolley leaves its rail."""
+    """Refuse a motion (coordinates, N) in which a trolley leaves its rail, or a rope its drum."""
     off = off_rails(rig, names, positions)
     if off is not None:
         first, reason = off
@@ -254,7 +256,10 @@ def stay_on_rails(rig: Rig, names: tuple[str, ...], positions: Array, times: Arr
 
 
 def off_rails(rig: Rig, names: tuple[str, ...], positions: Array) -> tuple[int, str] | None:
-    """The first sample of coordinates (coordinates, N) with a trolley off its rail, and where."""
+    """The first sample of coordinates (coordinates, N) with a trolley off its rail, and where.
+
+    Or a rope past its ends.
+    """
     departures: list[tuple[int, str]] = []
     for trolley in rig.trolleys:
         rail = rig.rail(trolley.rail)
@@ -266,4 +271,19 @@ def off_rails(rig: Rig, names: tuple[str, ...], positions: Array) -> tuple[int, 
             i = int(beyond.argmax())
             where = f"{rail.name} goes from {rail.start:g} m to {rail.end:g} m"
             departures.append((i, f"{trolley.name} is at {place[i]:.4g} m, rail {where}"))
+    for end, lengths, excess in lengths_beyond(rig, names, positions):
+        beyond = excess > RAIL_TOLERANCE
+        if beyond.any():
+            i = int(beyond.argmax())
+            can = f"it can be {end.low:g} m to {end.high:g} m"
+            departures.append((i, f"{end.what} is {lengths[i]:.4g} m long, {can}"))
     return min(departures, default=None)
+
+
+def lengths_beyond(
+    rig: Rig, names: tuple[str, ...], positions: Array
+) -> Iterator[tuple[RopeEnd, Array, Array]]:
+    """Limited lengths of ropes at coordinates (coordinates, N), and how far beyond they are [m]."""
+    for end in rope_ends(rig):
+        lengths = sum(factor * positions[names.index(name)] for factor, name in end.terms)
+        yield end, np.asarray(lengths), np.maximum(end.low - lengths, lengths - end.high)

@@ -82,6 +82,8 @@ def coefficient(row: Row, order: int, series: Series, reference: Array) -> Array
     total: Array | float = row.constant if order == 0 else 0.0
     for a, j in row.linear:
         total = total + a * series[j][order]
+    for a, j in row.first:
+        total = total + a * (order + 1) * series[j][order + 1]
     for a, j in row.second:
         total = total + a * (order + 1) * (order + 2) * series[j][order + 2]
     for a, j, k in row.quadratic:
@@ -137,8 +139,8 @@ def _kind(rows: tuple[tuple[Row, int], ...], columns: tuple[tuple[int, int], ...
 def _slope(row: Row, order: int, unknown: int, highest: int) -> Slope:
     """Derivative of an equation's coefficient by an unknown's coefficient of order `highest`.
 
-    A flat system determines nothing from an acceleration: its degrees of freedom, the sum of the
-    orders on which equations and unknowns are paired, are none, so that every such order is 0.
+    A flat system determines nothing from a rate or an acceleration: its degrees of freedom, the sum
+    of the orders on which equations and unknowns are paired, are none, so that each of them is 0.
     """
     constant = 0.0
     terms: list[tuple[float, int]] = []

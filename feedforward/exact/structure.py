@@ -41,6 +41,8 @@ class Row:
     constant: float = 0.0
     linear: tuple[tuple[float, int], ...] = ()
     """(a, j): a w_j"""
+    first: tuple[tuple[float, int], ...] = ()
+    """(a, j): a w_j'"""
     second: tuple[tuple[float, int], ...] = ()
     """(a, j): a w_j''"""
     quadratic: tuple[tuple[float, int, int], ...] = ()
@@ -64,6 +66,7 @@ class Row:
         """Order of the highest derivative of each unknown in this equation."""
         orders = {j: 0 for _, j in self.linear}
         orders |= {j: 0 for _, *pair in self.quadratic for j in pair}
+        orders |= {j: 1 for _, j in self.first}
         return orders | {j: 2 for _, j in self.second}
 
 
@@ -145,7 +148,7 @@ def analyse_equations(equations: Equations, servo: Servo) -> Analysis:
 def _rows(equations: Equations, servo: Servo) -> tuple[Row, ...]:
     n, m = len(equations.names), len(equations.constraint_names)
     frames = equations.with_role("frame")
-    rows = []
+    rows, damping = [], equations.damping
     for i, name in enumerate(equations.names):
         pulls = equations.constraints[:, i, :]
         rows.append(
@@ -155,6 +158,7 @@ def _rows(equations: Equations, servo: Servo) -> tuple[Row, ...]:
                 constant=-float(equations.force[i]),
                 linear=_pairs((pulls[k, n], n + k) for k in range(m))
                 + _pairs((-b, n + m + a) for a, b in enumerate(equations.input_constant[i])),
+                first=() if damping is None else _pairs(zip(damping[i], range(n), strict=True)),
                 second=_pairs(zip(equations.mass[i], range(n), strict=True)),
                 quadratic=_triples((pulls[k, j], n + k, j) for k in range(m) for j in range(n))
                 + _triples(

@@ -7,6 +7,7 @@ from ...models.types import Array
 from ..paths.reference import Reference
 from ..series.rotation import matrix
 from .equations import Equations
+from .losses import losses_of
 from .motion import Motion
 from .problem import Problem, problem_of
 from .refusal import accept_columns
@@ -37,12 +38,13 @@ def residuals(motion: Motion, reference: Reference) -> Array:
     rows = problem.analysis.rows
     if not len(motion.times):
         return np.zeros((0, len(rows)))
-    values, seconds = _unknowns(problem, motion)
+    values, rates, seconds = _unknowns(problem, motion)
     path = problem.servo.prescribe(reference(motion.times)[None])[0]
     wrong, sizes = [], []
     for row in rows:
         terms = [np.full(len(path), row.constant)]
         terms += [a * values[j] for a, j in row.linear]
+        terms += [a * rates[j] for a, j in row.first]
         terms += [a * seconds[j] for a, j in row.second]
         terms += [a * values[j] * values[k] for a, j, k in row.quadratic]
         if row.output is not None:
@@ -55,8 +57,11 @@ def residuals(motion: Motion, reference: Reference) -> Array:
     return np.asarray(np.array(wrong).T / scales)
 
 
-def _unknowns(problem: Problem, motion: Motion) -> tuple[list[Array], list[Array]]:
-    """All unknowns and their second derivatives, in the order of the analysis."""
+def _unknowns(problem: Problem, motion: Motion) -> tuple[list[Array], list[Array], list[Array]]:
+    """All unknowns and their first two derivatives, in the order of the analysis.
+
+    Those of inputs and multipliers are left out.
+    """
     equations = problem.equations
     table: dict[str, tuple[Array, Array, Array]] = {}
     for i, name in enumerate(motion.coordinate_names):
@@ -78,9 +83,12 @@ def _unknowns(problem: Problem, motion: Motion) -> tuple[list[Array], list[Array
         _follow(equations, table, k)
     names = problem.analysis.unknowns
     first = len(names) - motion.multipliers.shape[1] - motion.inputs.shape[1]
-    triples = [table[name] for name in names[:first]]
-    forces = np.hstack((motion.multipliers, motion.inputs)).T
-    return [p for p, _, _ in triples] + list(forces), [a for _, _, a in triples]
+    inputs, losses = motion.inputs, losses_of(motion.rig)
+    if losses is not None:
+        inputs = losses.delivered(inputs, motion.drive_velocities)
+    forces = np.hstack((motion.multipliers, inputs)).T
+    values, rates, seconds = zip(*(table[name] for name in names[:first]), strict=True)
+    return [*values, *forces], [*rates], [*seconds]
 
 
 def _follow(equations: Equations, table: dict[str, tuple[Array, Array, Array]], k: int) -> None:

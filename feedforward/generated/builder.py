@@ -3,6 +3,9 @@
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
+import numpy as np
+
+from ...models.friction import direction
 from .program import Call, Function, Operation, Sum, Term, Value, needs
 
 Polynomial = dict[tuple[str, ...], float]
@@ -91,6 +94,12 @@ class Builder:
             self._put(Call(name, function, tuple(map(str, arguments))), name)
             self._formed[key] = name, 1.0
         return self._formed[key][0]
+
+    def direction(self, value: Value) -> Value:
+        """The sign of a value, see `exact.losses`."""
+        if isinstance(value, str):
+            return self.call("direction", value)
+        return float(direction(np.asarray(value)))
 
     def _put(self, operation: Sum | Call, name: str) -> None:
         if self._before is None:

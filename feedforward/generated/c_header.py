@@ -6,7 +6,7 @@ from .c_operations import wrapped
 from .c_parts import BEGIN
 from .c_words import Words, identifier
 from .program import Program
-from .statuses import MESSAGES, Status
+from .statuses import MESSAGES
 
 
 class Header:
@@ -34,8 +34,8 @@ class Header:
         lines += [f"#define {upper}_{key} {value}" for key, value in sizes.items()]
         lines += ["", "/* What begin and step return; results are valid for the first two. */"]
         lines.append("enum {")
-        for status in Status:
-            comma = "," if status < max(Status) else ""
+        for status in self.words.statuses:
+            comma = "," if status < max(self.words.statuses) else ""
             lines.append(f"    {upper}_{status.name} = {status:d}{comma} /* {MESSAGES[status]} */")
         lines += ["};", ""]
         lines += self._motion() + self._state()
@@ -60,7 +60,10 @@ class Header:
 
     def _motion(self) -> list[str]:
         words, upper = self.words, self.upper
-        inputs = [f"{n} [{u}], limit {limit:g}" for n, u, limit in words.inputs]
+        inputs = [
+            f"{n} [{u}], limit {high:g}" if low == -high else f"{n} [{u}], {low:g} to {high:g}"
+            for n, u, low, high in words.inputs
+        ]
         coordinates = [f"{n} [{u}]" for n, u in zip(self.program.names, words.units, strict=True)]
         groups: list[tuple[str, str, str, Iterable[str]]] = [
             ("input", "INPUTS", "What drives apply", inputs),

@@ -3,6 +3,7 @@
 import textwrap
 from collections.abc import Iterable, Iterator
 
+from ...models.friction import REST
 from ..exact.linear import WEAK
 from ..exact.nonlinear import NEWTON_ITERATIONS, NEWTON_TOLERANCE
 from ..exact.taylor import SINGULAR
@@ -52,8 +53,12 @@ class Operations:
 
     def _call(self, operation: Call) -> Iterator[str]:
         arguments = ", ".join(operation.arguments)
-        inverse = operation.function == "inverse"
-        text = f"1.0/{arguments}" if inverse else f"{operation.function}({arguments})"
+        text = f"{operation.function}({arguments})"
+        if operation.function == "inverse":
+            text = f"1.0/{arguments}"
+        elif operation.function == "direction":
+            rest = number(REST)
+            text = f"(double)(({arguments} > {rest}) - ({arguments} < -{rest}))"
         yield self._let(operation.name, text)
 
     def _nearest(self, operation: Nearest) -> Iterator[str]:

@@ -11,10 +11,10 @@ from ...models.types import Array
 from ..exact.taylor import SINGULAR
 from .c_header import Header
 from .c_operations import Operations, wrapped
-from .c_parts import ABOUT, DENSE, SELF_TEST
+from .c_parts import ABOUT, DENSE, OUTSIDE, SELF_TEST
 from .c_words import Replay, Start, Words, identifier
 from .program import Program, Value, live, needs
-from .statuses import MESSAGES, RAIL_TOLERANCE, SLACK, TURNED, Status
+from .statuses import MESSAGES, RAIL_TOLERANCE, SLACK, TURNED
 from .words import number, text_of
 
 
@@ -39,7 +39,7 @@ class _File:
         columns = "; ".join(f"{i} {n} [{u}]" for i, (n, u) in enumerate(words.columns))
         about = ABOUT.format(
             name=name, upper=upper, rig=words.rig, version=words.version, columns=columns,
-            order=self.program.order,
+            order=self.program.order, outside=OUTSIDE[self.words.losses],
         )  # fmt: skip
         step = "\n".join(self._step())
         parts = [about, "#include <math.h>\n", Header(self.program, self.words).text()]
@@ -104,12 +104,28 @@ class _File:
             ]
             if limits:
                 yield f"    if (!({' && '.join(limits)})) return {upper}_OFF_RAIL;"
+        yield from self._rope_ends()
         for i, column in enumerate(program.angles):
             angle = text_of(program.kinematics[0][column])
             yield (
                 f"    if (state->samples > 1 && !(fabs({angle} - state->angle[{i}]) < {TURNED}))"
                 f" return {upper}_TURNED;"
             )
+
+    def _rope_ends(self) -> Iterator[str]:
+        """That no rope is longer or shorter than it can be."""
+        for terms, low, high in self.words.rope_ends:
+            at = " + ".join(
+                f"{number(factor)}*{text_of(self.program.kinematics[0][column])}"
+                for factor, column in terms
+            )
+            limits = [
+                f"{at} {sign} {number(end)}"
+                for sign, end in ((">=", low - RAIL_TOLERANCE), ("<=", high + RAIL_TOLERANCE))
+                if abs(end) < float("inf")
+            ]
+            condition = f"if (!({' && '.join(limits)})) return {self.upper}_ROPE_END;"
+            yield from wrapped(condition, 1)
 
     def _values(self) -> Sequence[Value]:
         program = self.program
@@ -210,7 +226,7 @@ class _File:
 
     def _message(self) -> str:
         lines = [f"const char *{self.name}_message(int status)", "{", "    switch (status) {"]
-        for status in Status:
+        for status in self.words.statuses:
             lines.append(f'    case {self.upper}_{status.name}: return "{MESSAGES[status]}";')
         return "\n".join([*lines, '    default: return "no status";', "    }", "}", ""])
 

@@ -4,6 +4,7 @@ import re
 from dataclasses import dataclass
 
 from ...models.types import Array
+from .statuses import Status
 
 
 @dataclass(frozen=True)
@@ -14,8 +15,8 @@ class Words:
     version: str
     columns: tuple[tuple[str, str], ...]
     """Name and unit of each column of the reference."""
-    inputs: tuple[tuple[str, str, float], ...]
-    """Name, unit and limit of each input."""
+    inputs: tuple[tuple[str, str, float, float], ...]
+    """Name, unit, lowest and highest value of each input."""
     tensions: tuple[str, ...]
     """Names of the ropes and links."""
     links: int
@@ -28,6 +29,15 @@ class Words:
     """Columns of the drives' own coordinates."""
     rails: tuple[tuple[int, float, float], ...]
     """Column of each trolley, and the ends of its rail."""
+    rope_ends: tuple[tuple[tuple[tuple[float, int], ...], float, float], ...] = ()
+    """Of each limited length of a rope the terms (factor, column), and what it can be."""
+    losses: bool = False
+    """Whether inputs have friction or what gears lose in them."""
+
+    @property
+    def statuses(self) -> tuple[Status, ...]:
+        """How a step of this rig can end."""
+        return tuple(status for status in Status if self.rope_ends or status != Status.ROPE_END)
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ class Product(NamedTuple):
 
 
 class Factored(NamedTuple):
-    """A row's terms without second derivatives and without what is prescribed."""
+    """A row's terms without derivatives and without what is prescribed."""
 
     constant: float
     linear: tuple[tuple[float, int], ...]

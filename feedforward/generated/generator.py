@@ -62,15 +62,16 @@ class _Generator:
         n, m = len(equations.names), len(equations.constraint_names)
         results = Results(self.builder, self.problem, self.known)
         names, kinematics, angles = results.coordinates(len(self.newton))
-        values = [self.known[j, 0] for j in range(n + m + len(rig.drives))]
+        values = [self.known[j, 0] for j in range(n + m)]
         tensions = results.tensions()
+        inputs = results.inputs(names, kinematics[1])
         carried = tuple(
             (self.known[j, 0], self.known.get((j, 1), 0.0), self.known.get((j, 2), 0.0))
             for j in self.newton
         )
         with self.builder.apart() as further:
             spans = results.spans()
-        wanted = [*(v for row in kinematics for v in row), *values[n:], *tensions]
+        wanted = [*(v for row in kinematics for v in row), *values[n:], *inputs, *tensions]
         wanted += [v for group in carried for v in group]
         wanted += [name for name in self.blocks.values() if name]
         extra = [v for _, vector, length in spans for v in (*vector, length)]
@@ -90,8 +91,8 @@ class _Generator:
             carried=carried,
             names=names,
             kinematics=kinematics,
-            multipliers=tuple(values[n : n + m]),
-            inputs=tuple(values[n + m :]),
+            multipliers=tuple(values[n:]),
+            inputs=inputs,
             tensions=tensions,
             angles=angles,
             spans=spans,
@@ -141,6 +142,8 @@ class _Generator:
         add(total, constant if order == 0 else 0.0)
         for a, j in linear:
             add(total, a, value(j, order))
+        for a, j in row.first:
+            add(total, a * (order + 1), value(j, order + 1))
         for a, j in row.second:
             add(total, a * (order + 1) * (order + 2), value(j, order + 2))
         for factor, left, right in products:

@@ -16,7 +16,7 @@ converges slowly where its determinant vanishes."""
 Value = str | float
 """The name of a number that an operation gives, or a number that is known beforehand."""
 
-Function = Literal["sin", "cos", "sqrt", "atan2", "inverse"]
+Function = Literal["sin", "cos", "sqrt", "atan2", "inverse", "direction"]
 
 
 class Term(NamedTuple):
@@ -35,7 +35,9 @@ class Sum(NamedTuple):
 
 
 class Call(NamedTuple):
-    """name = function(arguments); "inverse" is one over its argument."""
+    """name = function(arguments); "inverse" is one over its argument, and "direction" its
+    sign, which is zero near zero, see `exact.losses`.
+    """
 
     name: str
     function: Function

@@ -1,6 +1,7 @@
 """What a program hands out: coordinates of the rig's parts, tensions, and the ropes' spans."""
 
 from ...models.types import Array
+from ..exact.losses import losses_of
 from ..exact.problem import Problem
 from .angles import Series, bryant
 from .builder import Builder, Polynomial, add
@@ -66,6 +67,36 @@ class Results:
         """The value of an affine row of (q, 1)."""
         terms = [(float(a) / divisor, self.known[i, 0]) for i, a in enumerate(row[:-1])]
         return self.builder.total((float(row[-1]) / divisor, 1.0), *terms)
+
+    def inputs(self, names: tuple[str, ...], rates: tuple[Value, ...]) -> tuple[Value, ...]:
+        """Inputs with friction and the gears' losses, see `exact.losses`.
+
+        Parameters
+        ----------
+        names, rates
+            Of the coordinates.
+        """
+        problem, builder = self.problem, self.builder
+        losses, rig = losses_of(problem.rig), problem.rig
+        first = len(problem.equations.names) + len(problem.equations.constraint_names)
+        needed = [self.known[first + a, 0] for a in range(len(rig.drives))]
+        if losses is None:
+            return tuple(needed)
+        inputs: list[Value] = []
+        for a, (value, coordinate) in enumerate(zip(needed, rig.driven_coordinates, strict=True)):
+            speed = rates[names.index(coordinate)]
+            way = builder.direction(speed)
+            arm, lost = float(losses.arms[a]), float(losses.efficiency[a])
+            dry, viscous = arm * float(losses.coulomb[a]), arm * float(losses.viscous[a])
+            total = builder.total((1.0, value), (dry, way), (viscous, speed))
+            if lost != 1.0:
+                # efficiency^-s of s = -1, 0 or 1 as a parabola.
+                s = builder.product(builder.direction(total), way)
+                odd, even = 0.5 * (1.0 / lost - lost), 0.5 * (1.0 / lost + lost) - 1.0
+                share = builder.total((1.0, 1.0), (odd, s), (even, builder.product(s, s)))
+                total = builder.product(total, share)
+            inputs.append(total)
+        return tuple(inputs)
 
     def tensions(self) -> tuple[Value, ...]:
         """See `Equations.tensions`."""

@@ -15,6 +15,7 @@ class Status(enum.IntEnum):
     REVERSED = 6
     TURNED = 7
     OFF_RAIL = 8
+    ROPE_END = 9
 
 
 MESSAGES = {
@@ -27,6 +28,7 @@ MESSAGES = {
     Status.REVERSED: "a rope's span has passed through a point or through infinity",
     Status.TURNED: "a turning frame would jump to another angle",
     Status.OFF_RAIL: "a trolley would leave its rail",
+    Status.ROPE_END: "a rope would be longer or shorter than it can be",
 }
 
 TURNED = 1.5707963267948966

@@ -10,10 +10,10 @@ derivatives where its pieces meet, a reference of one's own whose derivatives co
 is taken at its word, and a trolley past the end of its rail goes on, so that all that is wrong is
 said at once.  Only a path that the equations have no solution for ends the matter.
 
-Limits: friction is not counted.  A description has none, so inputs, sizing and the verdict are
-those of a rig that does not rub, and one that does may need many times as much; the scenarios of
-`flatrig.envs` have it.  What lies between the samples is not seen, and where a path is not smooth
-enough the inputs that its joins would take, unbounded in theory, are not in the numbers.
+Limits: friction counts as far as it is described; a rig that rubs beyond that may need many times
+as much, as in the scenarios of `flatrig.envs`.  What lies between the samples is not seen, and
+where a path is not smooth enough the inputs that its joins would take, unbounded in theory, are not
+in the numbers.
 """
 
 import math
@@ -22,64 +22,26 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...models.errors import OptionError, PathError
-from ...models.rig.rig import Drive, Frame, Rig, Rope
+from ...models.rig.rig import Rig
 from ...models.types import Array
 from ...models.values import as_number
+from ..exact.losses import rubs
 from ..exact.motion import Motion, Slack
 from ..exact.problem import problem_of
-from ..exact.refusal import RAIL_TOLERANCE, accept_columns
+from ..exact.refusal import RAIL_TOLERANCE, accept_columns, lengths_beyond
 from ..exact.slackness import falling
 from ..exact.state import State, accept_join
 from ..paths.consistency import verify_reference
 from ..paths.reference import Reference, ReferencePath
 from ..solving.inverse import solve
-from .uncertainty import endless, input_uncertainty
+from .sizing import Sizing, sizings
+from .uncertainty import endless
 
 LEAST_SAMPLES, MOST_SAMPLES = 101, 1_000_000
 """Of a move however short; more than the second is taken for a slip of the finger."""
 TAUT = 1e-9
 """A tension below zero by less than this fraction of the rig's weight is zero to rounding: it
 guards against refusing a rope without a load, such as one in line with two others (Y 6.1.1)."""
-
-
-@dataclass(frozen=True)
-class Sizing:
-    """What a move asks of one drive without friction (actuator dimensioning, K 3.3)."""
-
-    drive: str
-    unit: str
-    """Unit of the input: "N m" on what turns, a winch's drum too, and "N" on what slides."""
-    limit: float
-    """Largest input of the drive [unit]."""
-    largest: float
-    """Largest magnitude of the input on this move [unit]."""
-    when: float
-    """When it is needed [s]."""
-    rms: float
-    """Root mean square of the input over the move [unit], which heats a motor."""
-    speed: float
-    """Largest speed: of the drum or frame [rad/s], or of what slides [m/s]."""
-    power: float
-    """Largest power that the drive delivers [W]."""
-    braking: float
-    """Largest power that it takes up [W]."""
-    uncertain: float = 0.0
-    """How far the input may be off because the path is a sampled one [unit], about."""
-
-    @property
-    def within(self) -> bool:
-        """Whether the limit suffices, friction not counted."""
-        return self.largest <= self.limit
-
-    @property
-    def spare(self) -> float:
-        """Share of the limit that is left; negative if it does not suffice."""
-        return 1.0 - self.largest / self.limit
-
-    @property
-    def rpm(self) -> float | None:
-        """The speed of what turns, in revolutions per minute."""
-        return self.speed * 30.0 / math.pi if self.unit == "N m" else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,8 +65,13 @@ class Feasibility:
 
     @property
     def feasible(self) -> bool:
-        """Whether nothing is wrong, friction not counted."""
+        """Whether nothing is wrong."""
         return not self.problems
+
+    @property
+    def friction(self) -> bool:
+        """Whether friction is counted: whether the rig is described with any."""
+        return rubs(self.rig)
 
     @property
     def smooth(self) -> bool:
@@ -140,8 +107,6 @@ def check(
     rig: Rig, reference: Reference, rate: float = 500.0, *, begin: State | None = None
 ) -> Feasibility:
     """Whether a rig can make a move: smoothness, workspace, rails, ropes and drives.
-
-    Friction is not counted, for a description has none.
 
     Parameters
     ----------
@@ -194,24 +159,12 @@ def check(
         problems.append(str(error))
         return Feasibility(rig, reference, needed, tuple(problems), str(error), None, (), ())
     motion = replace(motion, rig=rig)
-    sizing = _sizings(motion, path)
+    sizing = sizings(motion, path)
     problems += _off_rails(motion)
     problems += [_slack(motion, part) for part in motion.slack]
     problems += _slack_at_rest(motion, moving=begin is not None)
-    problems += [
-        f"drive {part.drive} would need {part.largest:.4g} {part.unit} at {part.when:.4g} s, "
-        f"its limit is {part.limit:.4g} {part.unit}"
-        for part in sizing
-        if not part.within
-    ]
+    problems += [sentence for part in sizing for sentence in part.beyond]
     return Feasibility(rig, reference, needed, tuple(problems), "", motion, motion.slack, sizing)
-
-
-def driven_unit(rig: Rig, drive: Drive) -> str:
-    """Unit of an input: a force on what slides, a torque on what turns."""
-    part = rig.driven(drive)
-    turns = isinstance(part, Rope) or (isinstance(part, Frame) and part.kind == "turning")
-    return "N m" if turns else "N"
 
 
 def instants(duration: float, rate: float) -> Array:
@@ -233,38 +186,8 @@ def instants(duration: float, rate: float) -> Array:
     return np.linspace(0.0, duration, max(LEAST_SAMPLES, math.ceil(duration * number) + 1))
 
 
-def _sizings(motion: Motion, reference: Reference) -> tuple[Sizing, ...]:
-    """What the move asks of each drive, and how certain that is."""
-    uncertain = input_uncertainty(motion, reference)
-    sizing = (_sizing(motion, i) for i in range(len(motion.rig.drives)))
-    if uncertain is None:
-        return tuple(sizing)
-    pairs = zip(sizing, uncertain.tolist(), strict=True)
-    return tuple(replace(part, uncertain=value) for part, value in pairs)
-
-
-def _sizing(motion: Motion, i: int) -> Sizing:
-    drive = motion.rig.drives[i]
-    part = motion.rig.driven(drive)
-    radius = part.drum_radius if isinstance(part, Rope) else 1.0
-    inputs, speeds = motion.inputs[:, i], motion.drive_velocities[:, i] / radius
-    power = inputs * speeds
-    peak = int(np.abs(inputs).argmax())
-    return Sizing(
-        drive=drive.name,
-        unit=driven_unit(motion.rig, drive),
-        limit=drive.limit,
-        largest=float(abs(inputs[peak])),
-        when=float(motion.times[peak]),
-        rms=float(np.sqrt(np.mean(inputs**2))),
-        speed=float(np.abs(speeds).max()),
-        power=float(power.max(initial=0.0)),
-        braking=float(-power.min(initial=0.0)),
-    )
-
-
 def _off_rails(motion: Motion) -> list[str]:
-    """A sentence for each trolley that leaves its rail, at its furthest place."""
+    """A sentence for each trolley off its rail and each rope past its ends, at its furthest."""
     sentences = []
     for trolley in motion.rig.trolleys:
         rail = motion.rig.rail(trolley.rail)
@@ -275,6 +198,15 @@ def _off_rails(motion: Motion) -> list[str]:
             sentences.append(
                 f"{trolley.name} would be at {place[i]:.4g} m at {motion.times[i]:.4g} s, "
                 f"rail {rail.name} goes from {rail.start:g} m to {rail.end:g} m"
+            )
+    for end, lengths, beyond in lengths_beyond(
+        motion.rig, motion.coordinate_names, motion.positions.T
+    ):
+        i = int(beyond.argmax())
+        if beyond[i] > RAIL_TOLERANCE:
+            sentences.append(
+                f"{end.what} would be {lengths[i]:.4g} m long at {motion.times[i]:.4g} s, "
+                f"it can be {end.low:g} m to {end.high:g} m"
             )
     return sentences
 

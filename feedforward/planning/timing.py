@@ -8,10 +8,10 @@
     shortest_duration(rig, lambda T: stopped(reference, 2.0, T), begin=motion.at(2.0))    # a stop
 
 A move is within its bounds if the rig can follow it, every rope keeps a tension of at least
-`margin`, and every input stays within `share` of its drive's limit.  Slow moves are like standing
-still: the search begins at four times the given duration, or four times that and so on until it is
-within the bounds, comes down in steps of 8 percent to the first one that is not, and halves that
-interval.
+`margin`, and every input, and what else is limited of a drive, stays within `share` of its limit.
+Slow moves are like standing still: the search begins at four times the given duration, or four
+times that and so on until it is within the bounds, comes down in steps of 8 percent to the first
+one that is not, and halves that interval.
 
 Limits: a move need not get easier with every second it is given.  The returned duration is within
 the bounds, verified at ten times the samples of the search; that all longer ones are as well is
@@ -36,7 +36,8 @@ from ..exact.state import State, accept_join
 from ..paths.consistency import accept_rest, verify_reference
 from ..paths.reference import Reference, ReferencePath
 from ..solving.inverse import solve
-from .feasibility import TAUT, driven_unit
+from .feasibility import TAUT
+from .sizing import drive_uses
 
 SAMPLES, FINE = 501, 5001
 """Samples along a move in the search, and to verify what it found: a peak of an input or a dip of a
@@ -107,7 +108,8 @@ class Shortest:
     reference: Reference
     """The path in that time."""
     limited_by: str
-    """What leaves its bounds in less time: "rope NAME", "drive NAME" or "the workspace"."""
+    """What leaves its bounds in less time: "rope NAME", "drive NAME", "speed of drive NAME" and
+    the like, or "the workspace"."""
     when: float
     """At what time of the move [s]."""
 
@@ -149,11 +151,11 @@ class _Bounds:
             reason = f"the tension of {rope} is {tensions[i]:.4g} N"
             spare = (tensions[i] - self.margin) / self.rig.weight
             bounds.append((spare, rope, times[i], reason))
-        for drive, inputs in zip(self.rig.drives, np.abs(motion.inputs.T), strict=True):
-            i = int(inputs.argmax())
-            reason = f"drive {drive.name} needs {inputs[i]:.4g} {driven_unit(self.rig, drive)}"
-            spare = 1.0 - inputs[i] / (self.share * drive.limit)
-            bounds.append((spare, f"drive {drive.name}", times[i], reason))
+        for use in drive_uses(motion):
+            i, name = use.tightest(), f"drive {use.drive.name}"
+            reason = f"{name} needs {use.words(use.at(i)[0])}"
+            name = name if use.quantity == "input" else f"{use.quantity} of {name}"
+            bounds.append((use.spare(self.share)[i], name, times[i], reason))
         spare, name, when, reason = min(bounds)
         return _Tightest(float(spare), name, float(when), f"{reason} at {when:.4g} s")
 
@@ -181,7 +183,7 @@ def shortest_duration(
     margin
         Lowest tension allowed in any rope [N].
     share
-        Largest part of each drive's limit allowed, above 0 and at most 1.
+        Largest part of each drive's limits allowed, above 0 and at most 1.
     begin
         State of the motion that the path continues, as for `solve`; a path that starts moving is
         given as a function of its duration.

@@ -61,8 +61,10 @@ def input_uncertainty(motion: Motion, reference: Reference) -> Array | None:
 
 
 def endless(rig: Rig) -> Rig:
-    """The rig with rails that do not end."""
-    return replace(rig, rails=tuple(replace(rail, start=-np.inf, end=np.inf) for rail in rig.rails))
+    """The rig with rails and ropes that do not end."""
+    rails = tuple(replace(rail, start=-np.inf, end=np.inf) for rail in rig.rails)
+    ropes = (replace(rope, shortest=0.0, longest=np.inf, two_block=0.0) for rope in rig.ropes)
+    return replace(rig, rails=rails, ropes=tuple(ropes))
 
 
 def _change(rig: Rig, motion: Motion, rival: Reference) -> Array:

@@ -7,10 +7,12 @@ from typing import Literal
 import numpy as np
 
 from ...models.errors import OptionError, PathError, RigError, did_you_mean
-from ...models.rig.parts import Drive, Frame, Rope
 from ...models.rig.rig import Rig
+from ...models.rig.rope_ends import rope_ends
 from ..exact.branch import branch_of
+from ..exact.drive_limits import driven_unit
 from ..exact.home import home_outputs
+from ..exact.losses import rubs
 from ..exact.problem import problem_of
 from ..exact.pulleys import has_light_pulley
 from ..exact.refusal import accept_flat, place
@@ -77,7 +79,7 @@ def _about(program: Program, words: Words, start: Start, dialect: Dialect) -> st
     results += [f"{name}''" for name in program.names]
     results += [f"multiplier {i}" for i in range(len(program.multipliers))]
     results += [
-        *(name for name, _, _ in words.inputs),
+        *(name for name, *_ in words.inputs),
         *(f"tension of {r}" for r in words.tensions),
     ]
     results += [f"determinant {i}" for i in range(len(program.determinants))]
@@ -137,26 +139,24 @@ def words_of(rig: Rig, program: Program) -> Words:
         rig=rig.name,
         version=importlib.metadata.version("flatrig"),
         columns=tuple((name, unit_of(rig, name)) for name in rig.outputs),
-        inputs=tuple((drive.name, force_unit(rig, drive), drive.limit) for drive in rig.drives),
+        inputs=tuple((d.name, driven_unit(rig, d), d.lowest, d.limit) for d in rig.drives),
         tensions=rig.tension_names,
         links=len(rig.links),
         pulling=rig.pulling,
         units=units,
         encoders=tuple(program.names.index(name) for name in driven),
         rails=tuple(rails),
+        rope_ends=tuple(
+            (tuple((a, program.names.index(name)) for a, name in end.terms), end.low, end.high)
+            for end in rope_ends(rig)
+        ),
+        losses=rubs(rig),
     )
 
 
 def unit_of(rig: Rig, coordinate: str) -> str:
     """Unit of a coordinate or an output."""
     return "rad" if rig.terms(coordinate)[0][1] in rig.angles else "m"
-
-
-def force_unit(rig: Rig, drive: Drive) -> str:
-    """Unit of an input."""
-    part = rig.driven(drive)
-    turns = isinstance(part, Rope) or (isinstance(part, Frame) and part.kind == "turning")
-    return "N m" if turns else "N"
 
 
 def _replay(rig: Rig, program: Program, start: Start, reference: Reference) -> Replay:

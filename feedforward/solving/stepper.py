@@ -154,7 +154,8 @@ class _InPython:
     def __init__(self, problem: Problem, start: State, words: Words) -> None:
         found = compiled(problem)
         assert found is not None
-        self.problem, self.found, self.rails = problem, found, words.rails
+        self.problem, self.found = problem, found
+        self.rails, self.rope_ends = words.rails, words.rope_ends
         program = found.program
         begin = start_of(program, start)
         self.signs, self.sides = start.signs, list(begin.sides)
@@ -186,6 +187,10 @@ class _InPython:
         for column, first, last in self.rails:
             if not first - RAIL_TOLERANCE <= positions[column] <= last + RAIL_TOLERANCE:
                 return Status.OFF_RAIL, None
+        for terms, low, high in self.rope_ends:
+            length = sum(factor * positions[column] for factor, column in terms)
+            if not low - RAIL_TOLERANCE <= length <= high + RAIL_TOLERANCE:
+                return Status.ROPE_END, None
         angles = [float(positions[column]) for column in program.angles]
         if self.spans is not None and any(
             not abs(a - b) < TURNED for a, b in zip(angles, self.angles, strict=True)

@@ -29,7 +29,7 @@ from functools import cached_property
 import numpy as np
 
 from ...models.errors import OptionError
-from ...models.rig.rig import Rig, Rope
+from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..exact.equations import Equations, redundant
 from ..exact.motion import Motion
@@ -119,9 +119,8 @@ class Regulator:
 
     @cached_property
     def radii(self) -> Array:
-        """For each drive the drum radius that makes a torque of a rope's force, else 1."""
-        parts = (self.rig.driven(drive) for drive in self.rig.drives)
-        return np.array([part.drum_radius if isinstance(part, Rope) else 1.0 for part in parts])
+        """For each drive what makes its input of a force on what it drives, see `Rig.arm`."""
+        return np.array([self.rig.arm(drive) for drive in self.rig.drives])
 
     def _rest_state(self, equations: Equations) -> Array:
         still = {name: np.zeros(()) for name in self.rest_values}

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...models.types import Array, Mask
 from ..exact.branch import turning_angles
+from ..exact.losses import losses_of
 from ..exact.naming import named_motion, platform_angles
 from ..exact.problem import Problem
 from ..exact.pulleys import has_light_pulley
@@ -155,6 +156,9 @@ def _place(problem: Problem, found: Compiled, unknown: int) -> int | None:
     """Row of an unknown among a program's results; -1 of a turning frame's, None if it has none."""
     equations, names = problem.equations, found.program.names
     n, k = len(equations.names), len(names)
+    multipliers = n + len(equations.constraint_names)
+    if unknown >= multipliers and losses_of(problem.rig) is not None:
+        return None  # the result has the losses, too
     if unknown >= n:  # multipliers and inputs stand one after the other here as there
         return 3 * k + unknown - n
     if any(unknown in (cos, sin) for _, cos, sin in equations.turning):

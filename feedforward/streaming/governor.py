@@ -83,7 +83,8 @@ class Governor:
         """
         way = np.clip(np.nan_to_num(self._spare(courses)[:, :1], nan=-WORSE), -WORSE, 0.0)
         samples = courses.solved.shape[1]
-        end = self.bounds.spare(courses.part(0, samples)[1])[:, -1:]
+        times = self.prediction.offsets
+        end = self.bounds.spare(courses.part(0, samples)[1], times)[:, -1:]
         return np.minimum(way, np.nan_to_num(end, nan=0.0))
 
     def _after(self, state: Array, commands: Array, near: Array) -> Courses:
@@ -96,7 +97,7 @@ class Governor:
         upwards: how far the lowest point of a parabola lies below the samples at most.
         """
         with np.errstate(invalid="ignore", over="ignore"):
-            spare = self.bounds.spare(courses.found)
+            spare = self.bounds.spare(courses.found, self.prediction.offsets)
         spare = spare.reshape(len(spare), *courses.solved.shape)
         lowest = spare.min(axis=2)
         first, middle, last = spare[..., 2:-2], spare[..., 3:-1], spare[..., 4:]

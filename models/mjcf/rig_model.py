@@ -33,9 +33,8 @@ from ..errors import ModelError, did_you_mean
 from ..looks import booms, dressing, setting
 from ..rig.chain import Link, links
 from ..rig.rig import WORLD, Frame, Platform, Rig, Trolley, Vector
-from ..rig.unsolved import refuse_unsolved
 from ..values import as_number, shown
-from . import rigging, spools, stiff_ties
+from . import described_friction, rigging, spools, stiff_ties
 from .armature import check
 from .at_rest import compile_at_rest
 from .frame_body import give_inertia
@@ -160,7 +159,7 @@ def _scene(
     ropes: Ropes,
 ) -> mujoco.MjSpec:
     """The rig's bodies, ropes and drives, without the inputs that hold it at home."""
-    refuse_unsolved(rig)
+    friction = friction or described_friction.has_coulomb(rig)
     scene = mujoco.MjSpec()
     scene.modelname = rig.name
     scene.compiler.degree = False
@@ -193,7 +192,8 @@ def _scene(
         rigging.add_sheaves(scene, rope)
     stiff_ties.add(scene, rig)
     for drive in rig.drives:
-        rigging.add_motor(scene, rig, drive.name, drive.limit, rig.driven(drive))
+        rigging.add_motor(scene, rig, drive)
+    described_friction.add(scene, rig)
     if visuals:
         dressing.dress(scene, rig, bodies, size, rig_booms)
         rigging.add_sensors(scene, rig)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import ModelError
+from ..friction import Friction
 from ..rig.chain import Link, joint_names, links
 from ..rig.coordinate_values import gather
 from ..rig.lengths import rope_lengths
@@ -212,7 +213,7 @@ def tensions(
     qvel: ArrayLike,
     qacc: ArrayLike,
     ctrl: ArrayLike,
-    friction: ArrayLike = 0.0,
+    friction: ArrayLike | None = None,
 ) -> Array:
     """Tension of each rope where it leaves its winch, then of each link, (N, ropes + links) [N].
 
@@ -230,19 +231,25 @@ def tensions(
     ctrl
         Inputs, (N, drives), in the order of `rig.drives`.
     friction
-        Forces of friction, (N, ropes) or a number [N].
+        Forces of friction, (N, ropes) or a number [N].  By default the described friction at these
+        speeds; a winch that sticks may bear anything up to its Coulomb friction.
     """
     lengths = paid_out(rig, qpos, qvel, qacc)
     inputs = reals("ctrl", ctrl)
-    columns = {drive.on: index for index, drive in enumerate(rig.drives)}
+    columns = {drive.on: (index, rig.arm(drive)) for index, drive in enumerate(rig.drives)}
     pulls = []
     for rope in rig.ropes:
         pull = rope.inertia_along * lengths[rope.name][2]
         if rope.name in columns:
-            pull = pull - inputs[..., columns[rope.name]] / rope.drum_radius
+            column, arm = columns[rope.name]
+            pull = pull - inputs[..., column] / arm
+        if friction is None and rope.friction != Friction():
+            pull = pull + rope.friction.sliding(lengths[rope.name][1])
         pulls.append(pull)
     none = np.zeros((*inputs.shape[:-1], 0))
-    along: Array = np.stack(pulls, axis=-1) - reals("friction", friction) if pulls else none
+    along: Array = np.stack(pulls, axis=-1) if pulls else none
+    if friction is not None and pulls:
+        along = along - reals("friction", friction)
     if not rig.links:
         return along
     joints = np.stack([reals("a joint's motion", value) for value in (qpos, qvel, qacc)])

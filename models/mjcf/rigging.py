@@ -5,7 +5,7 @@ from typing import Any
 import mujoco
 
 from ..rig.chain import Link
-from ..rig.rig import Frame, Rig, Rope, Trolley
+from ..rig.rig import Drive, Frame, Rig, Rope, Trolley
 from .ropes import spool
 
 
@@ -51,19 +51,17 @@ def lay(
     return tendon
 
 
-def add_motor(
-    scene: mujoco.MjSpec, rig: Rig, name: str, limit: float, part: Frame | Trolley | Rope
-) -> None:
+def add_motor(scene: mujoco.MjSpec, rig: Rig, drive: Drive) -> None:
     """A force or torque; its range is for sliders and scaling and clips nothing."""
-    motor = scene.add_actuator(name=name)
+    part = rig.driven(drive)
+    motor = scene.add_actuator(name=drive.name)
     motor.type = mujoco.mjtActuator.mjACTUATOR_MOTOR
-    motor.ctrlrange = [-tidy(limit), tidy(limit)]
+    motor.ctrlrange = [tidy(drive.lowest), tidy(drive.limit)]
     motor.ctrllimited = mujoco.mjtLimited.mjLIMITED_FALSE
     motor.target = part.name if isinstance(part, Rope) else part.coordinate
-    if isinstance(part, Rope):
-        motor.gear = [tidy(1 / part.drum_radius), 0, 0, 0, 0, 0]
-        if scene.joint(spool(part)) is not None:
-            motor.target = spool(part)
+    motor.gear = [tidy(1 / rig.arm(drive)), 0, 0, 0, 0, 0]
+    if isinstance(part, Rope) and scene.joint(spool(part)) is not None:
+        motor.target = spool(part)
     motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
     if scene.tendon(motor.target) is not None:
         motor.trntype = mujoco.mjtTrn.mjTRN_TENDON

@@ -185,10 +185,21 @@ class Description:
 
     def driven(self, drive: Drive) -> Frame | Trolley | Rope:
         """Part that a drive acts on."""
-        return next(part for part in self._drivable if part.name == drive.on)
+        return next(part for part in self.drivable if part.name == drive.on)
+
+    @cached_property
+    def driven_coordinates(self) -> tuple[str, ...]:
+        """Name of the coordinate that each drive acts on: a length, a position or an angle."""
+        return tuple(self.driven(drive).coordinate for drive in self.drives)
+
+    def arm(self, drive: Drive) -> float:
+        """What makes an input of a force on what is driven: drum radius over gear [m], or [1]."""
+        part = self.driven(drive)
+        return (part.drum_radius if isinstance(part, Rope) else 1.0) / drive.gear
 
     @property
-    def _drivable(self) -> tuple[Frame | Trolley | Rope, ...]:
+    def drivable(self) -> tuple[Frame | Trolley | Rope, ...]:
+        """What a drive can act on: frames, trolleys and ropes."""
         return (*self.frames, *self.trolleys, *self.ropes)
 
 

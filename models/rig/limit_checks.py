@@ -75,6 +75,11 @@ def _check_friction(
     for load in loads:
         if load.drag < 0:
             raise RigError(f"load {load.name}: drag is {load.drag:g} N s/m, it must be >= 0")
+        if load.drag and not load.mass:
+            raise RigError(
+                f"load {load.name}: drag is {load.drag:g} N s/m on a pulley without mass, whose "
+                "place follows from statics; give it a mass or no drag"
+            )
 
 
 def check_rope_ends(ropes: Iterable[Rope], places: Mapping[str, Vector]) -> None:

@@ -92,7 +92,7 @@ class Rig(Description):
         validation.check_names(self.name, self.input_names)
         validation.check_parts(self.name, bodies, planar=planar)
         validation.check_ropes(self.ropes, points)
-        limit_checks.check_drives(self.name, self.drives, self._drivable, self.loads)
+        limit_checks.check_drives(self.name, self.drives, self.drivable, self.loads)
         validation.check_combinations(self.combinations, self.coordinate_names, self.angles)
         validation.check_outputs(self.name, self.outputs, known, len(self.drives))
         validation.check_home(self.home, self.frames, self.masses, planar=planar)

@@ -22,7 +22,6 @@ from ...envs.crane.tuning import gains_of
 from ...feedforward import Motion, Regulator, Stream, solve
 from ...models import Rig
 from ...models.errors import FlatrigError
-from ...models.rig.rig import Rope
 from ...models.types import Array
 from .. import options
 from ..console import console
@@ -141,7 +140,7 @@ def _verify(stream: Stream, result: Driven) -> None:
     """Solve the path anew, which refuses trolleys off their rails and singular places."""
     times = np.arange(0.0, stream.time, stream.period / FINER)
     motion = solve(stream.rig, stream.reference, times, begin=stream.begin)
-    limits = np.array([drive.limit for drive in stream.rig.drives])
+    limits = np.array([drive.largest for drive in stream.rig.drives])
     result.inputs = float((np.abs(motion.inputs) / limits).max())
     result.tension = float(motion.tensions.min())
     result.wrong += [str(slack) for slack in motion.slack]
@@ -162,7 +161,7 @@ def _run(stream: Stream, result: Driven) -> None:
     )  # fmt: skip
     reference = stream.reference(course.times)
     result.distance = float(np.abs(course.outputs[:, 0] - reference).max())
-    limits = np.array([part.limit for part in rig.drives])
+    limits = np.array([part.largest for part in rig.drives])
     largest = float((np.abs(course.inputs) / limits).max())
     if result.distance > FAR:
         result.wrong.append(f"MuJoCo is {result.distance:.3g} m or rad off the reference")
@@ -181,8 +180,7 @@ def _regulator(rig: Rig, rest: tuple[float, ...]) -> Regulator:
     """The gains of `envs.PD`, of a winch along its rope."""
     plant = Plant(rig, 1, timestep=STEP, substeps=1, massless=stand_in(rig))
     gains = gains_of(plant)
-    driven = [rig.driven(part) for part in rig.drives]
-    radii = np.array([part.drum_radius if isinstance(part, Rope) else 1.0 for part in driven])
+    radii = np.array([rig.arm(drive) for drive in rig.drives])
     stiffness, damping = gains.stiffness / radii, gains.damping / radii
     return Regulator(rig, rest, tuple(stiffness.tolist()), tuple(damping.tolist()))
 

@@ -14,6 +14,7 @@ def rig_facts(rig: Rig, move: Move) -> dict[str, Any]:
         "name": rig.name,
         "inputs": [
             {"name": drive.name, "unit": driven_unit(rig, drive), "limit": drive.limit}
+            | ({} if drive.lower is None else {"lower": drive.lower})
             for drive in rig.drives
         ],
         "outputs": rig.outputs,
@@ -62,7 +63,7 @@ def feasibility_facts(report: Feasibility) -> dict[str, Any]:
     return {
         "feasible": report.feasible,
         "problems": report.problems,
-        "friction_counted": False,
+        "friction_counted": report.friction,
         "drives": [
             {
                 "name": part.drive,
@@ -72,6 +73,7 @@ def feasibility_facts(report: Feasibility) -> dict[str, Any]:
                 "largest_at_s": part.when,
                 "rms": part.rms,
                 "spare": part.spare,
+                "within": part.within,
                 "speed": part.speed,
                 "speed_unit": "m/s" if part.rpm is None else "rad/s",
                 "power_W": part.power,

@@ -26,7 +26,7 @@ from .summary import RANGE, add_input, facts, point, range_cells, sample_times, 
 
 MOST_SAMPLES = 10_000_000
 """Samples of `solve` at most; more is taken for a slip of the finger."""
-WITHOUT_FRICTION = "without friction"
+CONDITION = {False: "without friction", True: "with the described friction"}
 """Part of what is said of inputs: a description has no friction, so none is in them."""
 
 
@@ -109,7 +109,7 @@ def _show_answer(report: feedforward.Feasibility) -> None:
         console().print(said, soft_wrap=True)
     for problem in report.problems:
         console().print(f"problem: {problem}", soft_wrap=True)
-    show_verdict(report.feasible, WITHOUT_FRICTION)
+    show_verdict(report.feasible, CONDITION[report.friction])
 
 
 def _show_offsets(analysis: feedforward.Analysis) -> None:
@@ -148,7 +148,7 @@ def _shortest_words(rig: Rig, reference: feedforward.Reference, margin: float) -
 def _show_sizing(report: feedforward.Feasibility) -> None:
     """Print what the move asks of each drive (K 3.3)."""
     headings = "largest", "at [s]", "rms", "limit", "spare", "speed", "[rpm]", "power"
-    title = f"What the drives need, {WITHOUT_FRICTION}"
+    title = f"What the drives need, {CONDITION[report.friction]}"
     rows = table(title, "", *headings, "braking [W]")
     for drive in report.sizing:
         turns = drive.rpm is not None
@@ -196,7 +196,7 @@ def _show_motion(motion: feedforward.Motion, reference: feedforward.Reference) -
     rows = table(title, "", *RANGE, "limit", "")
     for drive, values in zip(rig.drives, motion.inputs.T, strict=True):
         label = f"input {drive.name} [{feedforward.driven_unit(rig, drive)}]"
-        add_input(rows, label, values, drive.limit)
+        add_input(rows, label, values, drive.lowest, drive.limit)
     for name, values in zip(rig.tension_names, motion.tensions.T, strict=True):
         pushes = name in rig.pushing
         note = "" if pushes or (values > 0).all() else warning("would have to push")

@@ -204,7 +204,7 @@ def _show_motors(inputs: rolling.JointForces) -> None:
     for name, unit, values, limit in zip(
         inputs.names, inputs.units, inputs.values.T, inputs.limits, strict=True
     ):
-        add_input(rows, f"{name} [{unit}]", values, limit)
+        add_input(rows, f"{name} [{unit}]", values, -limit, limit)
     console().print(rows)
 
 

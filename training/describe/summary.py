@@ -63,11 +63,12 @@ def range_cells(values: Array, digits: int = 5) -> tuple[str, ...]:
     return tuple(f"{number + 0.0:.{digits}g}" for number in np.round(numbers, 9))  # no "-0"
 
 
-def add_input(rows: Table, label: str, values: Array, limit: float) -> bool:
-    """Add the range of an input (N,) beside its limit; returns whether it stays within."""
-    within = bool(np.abs(values).max() <= limit)
+def add_input(rows: Table, label: str, values: Array, low: float, high: float) -> bool:
+    """Add the range of an input (N,) beside its limits; returns whether it stays within."""
+    within = bool(low <= values.min() and values.max() <= high)
+    limit = f"±{high:.5g}" if low == -high else f"{low:.5g} to {high:.5g}"
     note: Text | str = "" if within else warning("beyond its limit")
-    rows.add_row(label, *range_cells(values), f"±{limit:.5g}", note)
+    rows.add_row(label, *range_cells(values), limit, note)
     return within
 
 

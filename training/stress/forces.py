@@ -125,13 +125,14 @@ class Seen:
     @property
     def _pulls(self) -> list[tuple[Array, Array]]:
         """What turns a winch faster, and what its torque takes."""
-        lengths = rope_lengths(self.rig, self.world)
-        torques = {drive.on: column for column, drive in enumerate(self.rig.drives)}
+        lengths, rig = rope_lengths(self.rig, self.world), self.rig
+        torques = {drive.on: column for column, drive in enumerate(rig.drives)}
         pulls = []
-        for rope in self.rig.ropes:
+        for rope in rig.ropes:
             pull = np.zeros(len(self.motion.times))
             if rope.name in torques:
-                pull = -self.motion.inputs[:, torques[rope.name]] / rope.drum_radius
+                column = torques[rope.name]
+                pull = -self.motion.inputs[:, column] / rig.arm(rig.drives[column])
             pulls.append((rope.winch_inertia / rope.drum_radius**2 * lengths[rope.name][2], pull))
         return pulls
 

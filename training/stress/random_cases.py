@@ -156,7 +156,8 @@ def _checked(rig: Rig, reference: Reference, motion: Motion) -> Finding:
         return _wrong(f"ropes {pushing} have to push, check says {told}")
     largest = [part.largest for part in report.sizing]
     error = np.abs(np.abs(motion.inputs).max(axis=0) - largest).max() / max(largest)
-    weak = bool((np.abs(motion.inputs).max(axis=0) > [d.limit for d in rig.drives]).any())
+    low, high = ([getattr(d, side) for d in rig.drives] for side in ("lowest", "limit"))
+    weak = bool(((motion.inputs < low) | (motion.inputs > high)).any())
     if report.feasible != (not (told or weak or off)):
         return _wrong(f"check says feasible: {report.feasible}, {'; '.join(report.problems)}")
     return Finding(float(error), SURE, "sizing")

@@ -12,7 +12,7 @@ from scipy.special import ellipk
 
 from ... import models
 from ...feedforward import from_move, hold, solve
-from ...models import ModelError, Rig, Rope
+from ...models import ModelError, Rig
 from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.rig_state import State, coordinates, points, tensions
 from ...models.mjcf.ropes import Ropes
@@ -284,11 +284,11 @@ def _spiked(rig: Rig, duration: float, signs: Array, steps: int) -> tuple[float,
     place = dict(zip(home.coordinate_names, home.positions[0], strict=True))
     start = mjcf.joint_state(rig, model, place)
     controls = np.tile(home.inputs, (2 * steps, 1))
-    controls[:steps] += 100.0 * signs * [drive.limit for drive in rig.drives]
+    controls[:steps] += 100.0 * signs * [drive.largest for drive in rig.drives]
     state = stepped(model, start, controls)
     values, rates = coordinates(rig, model, state)
     parts = [rig.driven(drive) for drive in rig.drives]
-    radii = [part.drum_radius if isinstance(part, Rope) else 1.0 for part in parts]
+    radii = [rig.arm(drive) for drive in rig.drives]
     drives = np.stack([values[part.coordinate] for part in parts], axis=-1)
     work = controls / radii * np.diff(drives, axis=0)
     energy = roads.energy(rig, values, rates)
