@@ -13,7 +13,7 @@ import mujoco
 from ..errors import ModelError
 from ..friction import Friction
 from ..rig.chain import Link, links
-from ..rig.rig import Frame, Load, Rig, Rope
+from ..rig.rig import Load, Rig, Rope
 from .ropes import spool
 
 STEPS = 2.0
@@ -66,12 +66,13 @@ def _drag(scene: mujoco.MjSpec, rig: Rig, link: Link, load: Load) -> None:
     joints = []
     above: Link | None = link
     while above is not None:
-        if isinstance(above.part, Frame) and above.part.kind == "turning":
+        own = [scene.joint(name) for name in above.joints]
+        if any(joint.type != mujoco.mjtJoint.mjJNT_SLIDE for joint in own):
             raise ModelError(
-                f"load {load.name}: drag is {load.drag:g} N s/m, below the turning frame "
-                f"{above.name} no damper of MuJoCo knows its velocity in the world; leave it out"
+                f"load {load.name}: drag is {load.drag:g} N s/m, which MuJoCo's dampers do not "
+                f"know where {above.name} turns or swings above; leave it out"
             )
-        joints += [scene.joint(name) for name in above.joints]
+        joints += own
         above = above.parent
     for axis in rig.axes:
         tendon = scene.add_tendon(name=f"{load.name}.drag.{axis}")

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..rig.chain import Link, links
 from ..rig.lengths import spans
-from ..rig.rig import Frame, Platform, Rig, Rope, Trolley
+from ..rig.rig import Frame, Load, Platform, Rig, Rope, Trolley
 from ..rig.swings import body_of
 from ..types import Array
 from .joint_motion import fixed, outwards
@@ -70,7 +70,7 @@ def _towards(world: Mapping[str, Array], near: str, far: str) -> Array:
 def _needed(
     rig: Rig, body: Link, motion: Mapping[str, Array], world: Mapping[str, Array], ctrl: Array
 ) -> Array:
-    """Mass times acceleration less weight and drive, of each of a body's equations, (..., rows)."""
+    """Mass times acceleration less weight, drives and friction, of each equation, (..., rows)."""
     part = body.part
     assert not isinstance(part, Frame)
     force = part.mass * (world[part.name][2] + np.array([0.0, 0.0, rig.gravity]))
@@ -78,8 +78,12 @@ def _needed(
         along = (force * _rail(rig, part, motion)).sum(axis=-1, keepdims=True)
         for column, drive in enumerate(rig.drives):
             if drive.on == part.name:
-                along = along - ctrl[..., column : column + 1]
-        return np.asarray(along)
+                along = along - ctrl[..., column : column + 1] / rig.arm(drive)
+        terms = body.sums or ((part.coordinate, 1.0),)
+        rate = np.asarray(sum(factor * motion[name][1] for name, factor in terms))
+        return np.asarray(along + part.friction.sliding(rate)[..., None])
+    if isinstance(part, Load):
+        force = force + part.drag * world[part.name][1]
     if not isinstance(part, Platform):
         return np.asarray(force)
     half, torque = 0.5 * sum(part.inertia), np.zeros(force.shape)

@@ -85,6 +85,30 @@ def test_a_crane_that_rubs_arrives_open_loop(name, laws, distance):
                   ).max() > 1.0  # fmt: skip
 
 
+def test_tensions_of_links_know_what_rubs():
+    plain = rubbing("overhead_crane", {**VISCOUS, "drag": 0.0}, gear=2.0)
+    hook = models.Load("hook", 20.0, drag=3.0)  # its load swings below it and has no drag here
+    (hoist,) = plain.ropes
+    rig = replace(
+        plain,
+        masses=(*plain.trolleys, hook, *plain.loads),
+        ropes=(replace(hoist, path=("trolley", "hook")),),
+        links=(models.Link("sling", ("hook", "load")),),
+        home={**plain.home, "hook": (0.0, 0.0, -3.0)},
+    )
+    times = np.array([0.7, 2.4, 4.2])
+    path = feedforward.rest_to_rest((0.0, -4.0), (5.0, -2.0), duration=5.0, order=6)
+    motion, model = feedforward.solve(rig, path, times), models.compile(rig)
+    values, rates = (
+        dict(zip(motion.coordinate_names, part.T, strict=True))
+        for part in (motion.positions, motion.velocities)
+    )
+    state = rig_model.joint_state(rig, model, values, rates)
+    qacc = accelerations(model, *state, motion.inputs)
+    found = rig_model.tensions(rig, *state, qacc, motion.inputs)
+    assert_allclose(found, motion.tensions, rtol=1e-8)
+
+
 def test_power_is_what_the_load_gains_and_friction_takes():
     rig = rubbing("overhead_crane", {**DRY, "drag": 3.0})
     path = path_of("overhead_crane")
@@ -121,7 +145,7 @@ def test_a_gear_loses_its_share_both_ways():
 def test_what_nothing_drives_drags_below_no_turning_frame():
     rig = rubbing("rotary_crane", VISCOUS)
     assert feedforward.solve(rig, path_of("rotary_crane"), 1.0).inputs.shape == (1, 3)
-    with pytest.raises(ModelError, match="no damper of MuJoCo knows its velocity in the world"):
+    with pytest.raises(ModelError, match="which MuJoCo's dampers do not know where bridge turns"):
         models.compile(rig)
 
 
