@@ -25,6 +25,7 @@ from .hand.kiss_hands import (
 )
 from .hand.move import HandMove
 from .mjcf.ropes import Ropes
+from .rig.boom_cranes import knuckle_crane, luffing_crane
 from .rig.catalogue import CATALOGUE, default_move, full_name, make, printed_move
 from .rig.fingerprint import fingerprint
 from .rig.manipulators import cable_manipulator
@@ -111,9 +112,11 @@ __all__ = [
     "fingerprint",
     "full_name",
     "gantry_crane",
+    "knuckle_crane",
     "load",
     "load_move",
     "loads",
+    "luffing_crane",
     "make",
     "make_hand",
     "navy_crane_2d",

@@ -1,9 +1,9 @@
 """What an environment reads off the joints of a rig's model at every step, as one affine map.
 
 Seen from the frame that carries a rope, the points it runs through, the places of trolleys on
-their rails and the heights of loads are affine in the joints of `flatrig.models.rig.chain`, and the
-corners of a platform in these and the nine entries of its rotation matrix, and a load on a link in
-these and the link as a vector.  So one product with a
+their rails and, unless frames tilt, the heights of loads are affine in the joints of
+`flatrig.models.rig.chain`, and the corners of a platform in these and the nine entries of its
+rotation matrix, and a load on a link in these and the link as a vector.  So one product with a
 small matrix gives the spans of all ropes, their rates and accelerations, and how far everything is
 from where it must not go.
 
@@ -80,7 +80,9 @@ class Geometry:
     rope_of_span: tuple[int, ...]
     """Index of the rope that each span belongs to."""
     affine: bool
-    """Whether the spans hold; not so for a rope between a turning frame and a fixed anchor."""
+    """Whether the spans hold; not so for a rope between a frame that turns and what carries it."""
+    hung: tuple[tuple[str, str], ...]
+    """Points (above, load) of the first clearances, if these are not affine: where frames tilt."""
     scales: Scales
 
 
@@ -156,7 +158,9 @@ def geometry_of(rig: Rig, model: object, home: Array) -> Geometry:
         reasons.append(TIPPED)
     clearances = _affine(np.array(values)[..., None])[:, 0]
     affine = _holds(rig, vectors, owners)
-    return Geometry(clearances, tuple(reasons), vectors, tuple(owners), affine, scales)
+    tilts = any(frame.kind == "turning" and abs(frame.axis[2]) != 1.0 for frame in rig.frames)
+    hung = tuple((above, load) for load, above in hangers(rig).items()) if tilts else ()
+    return Geometry(clearances, tuple(reasons), vectors, tuple(owners), affine, hung, scales)
 
 
 def turned(motion: Array) -> Array:

@@ -147,6 +147,9 @@ class Plant(Simulations[CranePlan, Scenario]):
         self._lengths = batch.bind("actuator_length")
         self._length_rates = batch.bind("actuator_velocity")
         self._per_gear = np.tile(1.0 / model.actuator_gear[:, 0], (num, 1))
+        self._heights = batch.bind("site_xpos")[..., 2]
+        sites = [[model.site(name).id for name in pair] for pair in self.geometry.hung]
+        self._above, self._below = np.array(sites, dtype=int).reshape(-1, 2).T
         self._outputs = Outputs(rig, model, batch, rates)
         self.outputs, self.output_rates = self._outputs.values, self._outputs.rates
 
@@ -195,6 +198,10 @@ class Plant(Simulations[CranePlan, Scenario]):
         if self._swinging:
             self._swing()
         np.matmul(self._joints, self._weights, self._mapped)
+        if self._above.size:
+            ropes = len(self.rig.ropes)
+            heights = self._heights[:, self._above] - self._heights[:, self._below]
+            self.margins[:, ropes : ropes + self._above.size] = heights
         self._forces.read(self._rubbing())
         if self._links is not None:
             self._links.read()

@@ -15,10 +15,10 @@ frequencies: the hard directions get much force and the easy ones little, and no
 drive meet the small inertia of another's motion.  Both matrices are symmetric and positive.
 
 A load that is 15 % heavier than the rig's then pulls no drive further than 0.15 g / omega^2, 20 mm
-for the winches' 8.6 rad/s.  Trolleys, which share loads with winches, have the same: then no motion
-they make together is quicker, and inputs may come two periods of 20 ms late, as in scenarios of
-`Disturbances.standard`.  With three, the overhead crane's ropes go slack in one scenario of twelve,
-and in all with trolleys at 10 rad/s.
+for the winches' 8.6 rad/s.  Trolleys and booms, which share loads with winches, have the same: then
+no motion they make together is quicker, and inputs may come two periods of 20 ms late, as in
+scenarios of `Disturbances.standard`.  With three, the overhead crane's ropes go slack in one
+scenario of twelve, and in all with trolleys at 10 rad/s.
 
 Towards a fixed set point errors are of the size of the whole move, and lower frequencies with more
 damping swing least.  There, gains are one number for each drive, from the diagonal of C at home.
@@ -35,6 +35,7 @@ import mujoco
 import numpy as np
 
 from ...models.mjcf.rig_state import joint_state
+from ...models.rig.frames import rises
 from ...models.rig.rig import Frame, Rope, Trolley
 from ...models.types import Array
 from ..gains import Gains, Track
@@ -132,8 +133,13 @@ def forces_of(plant: Plant) -> Array:
     return _gears(plant) * limits
 
 
+def kind_of(part: Frame | Trolley | Rope) -> type:
+    """How a driven part is tuned: a boom, which shares loads with winches, as a trolley."""
+    return Trolley if isinstance(part, Frame) and rises(part) else type(part)
+
+
 def _tuning(plant: Plant, track: Track) -> tuple[Array, Array]:
-    kinds = [type(plant.rig.driven(drive)) for drive in plant.rig.drives]
+    kinds = [kind_of(plant.rig.driven(drive)) for drive in plant.rig.drives]
     frequency, ratio = np.array([TUNING[track][kind] for kind in kinds]).T
     return frequency, ratio
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...models.types import Array
-from .linear import least_norm, solve_many
+from .linear import least_norm
 from .steps import Series, Step, coefficient
 
 NEWTON_ITERATIONS = 25
@@ -76,7 +76,7 @@ def newton(
             local[j][0] = start[j]
     for _ in range(NEWTON_ITERATIONS):
         matrix, right = step.jacobian(local), -step.residuals(local, part)
-        change, determinant = solve_many(matrix.copy(), right.copy())
+        change, determinant = step.solve(matrix, right)
         if step.loose:
             change, _ = least_norm(matrix, right, change, determinant)
         for (j, order), delta in zip(step.columns, change, strict=True):

@@ -5,6 +5,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...models.types import Array
+from .linear import solve_many
 from .structure import Analysis, Row
 
 Series = list[list[Array]]
@@ -53,15 +54,41 @@ class Step(NamedTuple):
         Its determinant is the same but for the sign, and says more: what is left has comparable
         equations, where those of a chain of frames multiply the sizes of all its directions.
         """
+        return self._apart(matrix, np.zeros(matrix.shape[1:]))[0] if self.follows else matrix
+
+    def solve(self, matrix: Array, right: Array) -> tuple[Array, Array]:
+        """As `linear.solve_many`, which does what does not follow; nothing is overwritten."""
         if not self.follows:
-            return matrix
-        matrix = matrix.copy()
-        for i, j in self.follows:
-            share, own = matrix[:, j].copy(), matrix[i].copy()
-            matrix -= share[:, None] * own
-            matrix[i] = own
+            return solve_many(matrix.copy(), right.copy())
+        size = len(right)
+        rest, ours, shares, theirs = self._apart(matrix, right)
+        equations, unknowns = self._left(size)
+        values = np.empty_like(right)
+        values[unknowns], determinant = solve_many(rest.copy(), ours.copy())
+        places = [j for _, j in self.follows]
+        values[places] = theirs - np.einsum("ijn,jn->in", shares, values[unknowns])
+        order = np.zeros((size, size))
+        order[[i for i, _ in self.follows] + equations, places + unknowns] = 1.0
+        return values, determinant * np.round(np.linalg.det(order))
+
+    def _left(self, size: int) -> tuple[list[int], list[int]]:
+        """Equations and unknowns of a block that are left without those that follow."""
         rows, columns = zip(*self.follows, strict=True)
-        return np.delete(np.delete(matrix, rows, axis=0), columns, axis=1)
+        every = range(size)
+        return [i for i in every if i not in rows], [j for j in every if j not in columns]
+
+    def _apart(self, matrix: Array, right: Array) -> tuple[Array, Array, Array, Array]:
+        """Matrix and right-hand side of what is left, and of what follows from it."""
+        matrix, right = matrix.copy(), right.copy()
+        for i, j in self.follows:
+            share = matrix[:, j].copy()
+            share[i] = 0.0
+            matrix -= share[:, None] * matrix[i]
+            right -= share * right[i]
+        equations, unknowns = self._left(len(right))
+        says = [i for i, _ in self.follows]
+        matrix = matrix[:, unknowns]
+        return matrix[equations], right[equations], matrix[says], right[says]
 
     def jacobian(self, series: Series) -> Array:
         """Slopes of the equations, shape (equations, unknowns, N)."""

@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...models.types import Array, Mask
-from .linear import least_norm, solve_many
+from .linear import least_norm
 from .nonlinear import continue_along, newton, solve_quadratic
 from .problem import Problem
 from .steps import Series, Step, coefficient, plan
@@ -159,7 +159,7 @@ def _sign(share: Array) -> Array:
 def _linear(step: Step, series: Series, reference: Array) -> tuple[Array, Array, Array]:
     """The unknowns (k, N), the determinants (N,) and the matrices (k, k, N)."""
     matrix, right = step.jacobian(series), -step.residuals(series, reference)
-    values, determinant = solve_many(matrix.copy(), right.copy())
+    values, determinant = step.solve(matrix, right)
     if step.loose:
         values, unsolved = least_norm(matrix, right, values, determinant)
         values = np.where(unsolved, np.nan, values)

@@ -27,7 +27,9 @@ Pivot = tuple[tuple[int, ...], tuple[int, ...]]
 Matrix = tuple[tuple[Value, ...], ...]
 
 
-def choose(present: Mask, samples: Array) -> tuple[tuple[Pivot, ...], Array]:
+def choose(
+    present: Mask, samples: Array, first: Iterable[tuple[int, int]] = ()
+) -> tuple[tuple[Pivot, ...], Array]:
     """Pivots in their order, and scales of the rows.
 
     Parameters
@@ -36,6 +38,8 @@ def choose(present: Mask, samples: Array) -> tuple[tuple[Pivot, ...], Array]:
         Which entries are not always zero, shape (k, k).
     samples
         Matrices, shape (k, k, N).
+    first
+        Rows and columns of pivots to begin with: unknowns that others say, with a factor 1.
 
     Returns
     -------
@@ -45,13 +49,22 @@ def choose(present: Mask, samples: Array) -> tuple[tuple[Pivot, ...], Array]:
     """
     size = len(present)
     matrix, full = np.array(samples, dtype=float), np.array(present, dtype=bool)
-    with np.errstate(all="ignore"):
-        matrix /= np.abs(matrix).max(axis=0, keepdims=True)
-        scale = np.abs(matrix).max(axis=1, keepdims=True)
-        matrix = np.nan_to_num(matrix / scale, nan=0.0, posinf=0.0, neginf=0.0)
-    scales = 2.0 ** -np.round(np.log2(np.median(scale[:, 0], axis=-1)))
     left, over = list(range(size)), list(range(size))
     pivots: list[Pivot] = []
+    for i, j in first:
+        pivots.append(((i,), (j,)))
+        left.remove(i)
+        over.remove(j)
+        matrix -= matrix[:, j, None] * matrix[i] * (np.arange(size) != i)[:, None, None]
+        full |= full[:, [j]] & full[i]
+    rest = matrix[np.ix_(left, over)]
+    with np.errstate(all="ignore"):
+        rest /= np.abs(rest).max(axis=0, keepdims=True)
+        scale = np.abs(rest).max(axis=1, keepdims=True)
+        rest = np.nan_to_num(rest / scale, nan=0.0, posinf=0.0, neginf=0.0)
+    scales = np.ones(size)
+    scales[left] = 2.0 ** -np.round(np.log2(np.median(scale[:, 0], axis=-1)))
+    matrix[np.ix_(left, over)] = rest
     while left:
         rows, columns = _next(full, matrix, left, over)
         pivots.append((rows, columns))
@@ -116,8 +129,10 @@ class Eliminated:
         matrix: Matrix,
         pivots: tuple[Pivot, ...],
         scales: Array,
+        sure: int = 0,
     ) -> None:
         self.builder, self.number, self.pivots = builder, number, pivots
+        self.sure = sure  # so many pivots at the beginning are 1
         self.size = len(matrix)
         self.lower: list[list[tuple[int, list[Value]]]] = []
         self.upper: list[list[list[tuple[int, Value]]]] = []
@@ -139,7 +154,7 @@ class Eliminated:
         }
         left, over = set(range(self.size)), set(range(self.size))
         determinants: list[Value] = []
-        for rows, columns in self.pivots:
+        for place, (rows, columns) in enumerate(self.pivots):
             left -= set(rows)
             over -= set(columns)
             determinant, inverse = self._inverted(entries, rows, columns)
@@ -152,7 +167,7 @@ class Eliminated:
                 shares = [_dot(builder, here, column) for column in zip(*inverse, strict=True)]
                 lower.append((k, shares))
                 for i, share in zip(rows, shares, strict=True):
-                    if isinstance(share, str):
+                    if isinstance(share, str) and place >= self.sure:
                         guards.append((share, float(MULTIPLIER * scales[i] / scales[k])))
                 for j in sorted({j for values in upper for j, _ in values}):
                     changed: Polynomial = {}

@@ -254,9 +254,10 @@ class _Generator:
         if step.slopes not in self.pivots:
             samples = step.jacobian(self.samples)
             present = np.array([[bool(s.terms or s.constant) for s in row] for row in step.slopes])
-            self.pivots[step.slopes] = choose(present, samples)
+            self.pivots[step.slopes] = choose(present, samples, step.follows)
         self.count += 1
-        return Eliminated(self.builder, self.count, self._matrix(step), *self.pivots[step.slopes])
+        pivots, sure = self.pivots[step.slopes], len(step.follows)
+        return Eliminated(self.builder, self.count, self._matrix(step), *pivots, sure)
 
     def _matrix(self, step: Step) -> Matrix:
         return tuple(tuple(self._slope(slope) for slope in row) for row in step.slopes)

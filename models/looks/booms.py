@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..rig.frames import rises
 from ..rig.rig import WORLD, Anchor, Rig
 from ..types import Array
 
@@ -37,7 +38,9 @@ def find(rig: Rig) -> tuple[Boom, ...]:
     winches = {rope.path[0] for rope in rig.ropes}
     with_rails = {rail.frame for rail in rig.rails}
     booms = []
-    for frame in (WORLD, *(frame.name for frame in rig.frames)):
+    heads = {frame.parent for frame in rig.frames if rises(frame)}
+    standing = [frame.name for frame in rig.frames if not rises(frame)]
+    for frame in (WORLD, *(name for name in standing if name not in heads)):
         anchors = [a for a in rig.anchors if a.frame == frame and a.name in winches]
         anchors.sort(key=lambda anchor: anchor.position[2])
         places = np.array([anchor.position for anchor in anchors])

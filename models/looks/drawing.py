@@ -169,6 +169,12 @@ def cargo(paint: Painter, body: Any, name: str) -> None:
         paint.rod(body, f"{name}.batten{index + 1}", "batten", edge, 0.07 * unit)
 
 
+def ball(paint: Painter, body: Any, name: str) -> None:
+    """A load that looks the same however its body, which leans with a boom, is turned."""
+    unit = paint.unit
+    paint.rod(body, f"{name}.ball", "cargo", ((0, 0, 0), (0, 0, 0.01 * unit)), 0.75 * unit)
+
+
 def across_of(direction: ArrayLike) -> Array:
     """Level unit vector to the left of a direction."""
     left = np.cross([0.0, 0.0, 1.0], np.asarray(direction, float))

@@ -7,8 +7,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from ..rig.chain import links
+from ..rig.frames import carriers, rises
 from ..rig.rig import WORLD, Anchor, Frame, Platform, Rail, Rig, Trolley
 from . import drawing, structures
+from . import rising as risers
 from .booms import Boom
 from .drawing import Painter
 from .setting import ROPES, WAY, Sizes, rail_ends
@@ -37,8 +40,17 @@ def dress(
     for rail in rig.rails:
         if rail.frame == WORLD:
             structures.fixed_rail(dressing.paint, bodies[WORLD], rail, dressing.rail_ends(rail))
+    rising = risers.find(rig)
+    for part in rising:
+        risers.boom(dressing.paint, bodies[part.frame.name], part)
     for frame in rig.frames:
-        if frame.kind == "turning":
+        first = next((part for part in rising if part.frame.parent == frame.name), None)
+        if rises(frame):
+            continue
+        if first is not None:
+            below = bodies[frame.parent]
+            risers.head(dressing.paint, rig, bodies[frame.name], below, frame, first)
+        elif frame.kind == "turning":
             dressing.turning_frame(frame)
         else:
             dressing.sliding_frame(frame)
@@ -121,6 +133,9 @@ class _Dressing:
         rig, paint = self.rig, self.paint
         winches, sheaves = self._winches, rig.pulleys
         blocks = {rope.path[-1] for rope in rig.ropes if rope.falls > 1}
+        leaning = {
+            link.name for link in links(rig) if any(map(rises, carriers(rig.frames, link.frame)))
+        }
         for mass in rig.masses:
             body, name = self.bodies[mass.name], mass.name
             if isinstance(mass, Trolley):
@@ -130,6 +145,8 @@ class _Dressing:
                 drawing.platform(paint, body, name, corners)
             elif name in sheaves:
                 drawing.pulley(paint, body, name)
+            elif name in leaning:
+                drawing.ball(paint, body, name)
             else:
                 drawing.cargo(paint, body, name)
                 if name in blocks:

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from ..rig.rig import Rail, Rig
+from ..rig.frames import outwards, rises
+from ..rig.rig import Frame, Rail, Rig
 from ..types import Array
 from .booms import Boom
 
@@ -82,12 +83,16 @@ def sizes(rig: Rig, booms: Sequence[Boom]) -> Sizes:
     used = [rig.rail(trolley.rail) for trolley in rig.trolleys]
     fixed = [(a.frame, np.array(a.position)) for a in rig.anchors if not rig.platform(a.frame)]
     fixed += [(boom.frame, boom.foot) for boom in booms]
-    top = max([0.0, *(rail.origin[2] for rail in used), *(point[2] for _, point in fixed)])
+    nested = [_raised(rig, frame) for frame in rig.frames if rises(frame)]
+    fixed = [(name, point) for name, point in fixed if not (f := rig.frame(name)) or not rises(f)]
+    tops = [*(point[2] for _, point in fixed), *(point[2] for ends in nested for point in ends)]
+    top = max([0.0, *(rail.origin[2] for rail in used), *tops])
     reach = max(1e-3, top - min(float(load[2]) for load in loads))
     for rail in used:
         for end in rail_ends(rig, rail, reach):
             fixed.append((rail.frame, np.asarray(rail.origin) + end * np.asarray(rail.direction)))
     spots = [*loads, *(point + _slid(rig, frame) for frame, point in fixed)]
+    spots += [point for ends in nested for point in ends]
     for frame in rig.frames:
         if frame.kind == "sliding":
             way = WAY * reach * np.asarray(frame.axis)
@@ -125,6 +130,15 @@ def _slid(rig: Rig, name: str) -> Array:
     if frame is None or frame.kind != "sliding":
         return np.zeros(3)
     return np.asarray(float(np.asarray(rig.home_of(frame))) * np.asarray(frame.axis))
+
+
+def _raised(rig: Rig, frame: Frame) -> list[Array]:
+    """A boom's points at home, and its furthest one straight above the boom's foot."""
+    parts = [*(anchor for anchor in rig.anchors if anchor.frame == frame.name)]
+    places = [np.array(rig.home_point(part.name)) for part in parts]
+    foot = np.array(outwards(rig.frames, frame, rig.home_of, (0.0, 0.0, 0.0)))
+    longest = max((float(np.linalg.norm(place - foot)) for place in places), default=0.0)
+    return [foot, *places, foot + np.array([0.0, 0.0, longest])]
 
 
 def rail_ends(rig: Rig, rail: Rail, reach: float) -> tuple[float, float]:

@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..rig.rig import Anchor, Frame, Rail
 from ..types import Array
@@ -177,12 +178,28 @@ def _trucks(
 
 def boom(paint: Painter, body: Any, part: Boom) -> None:
     """A lattice boom on a round deck, with machine house, gantry and pendants."""
-    unit, name = paint.unit, part.frame
-    _lattice(paint, body, name, part)
+    unit, name, lift = paint.unit, part.frame, _lift(part, paint.unit)
+    lattice(paint, body, name, part.foot, part.tip, lift)
     out = np.array([*(part.tip - part.foot)[:2], 0.0])
     out = out / np.linalg.norm(out) if out.any() else np.array([1.0, 0.0, 0.0])
     across = across_of(out)
-    deck = part.foot - np.array([0, 0, 0.35 * unit])
+    deck = slewing_deck(paint, body, name, part.foot, out)
+    apex = deck - 1.2 * unit * out + np.array([0, 0, 4.0 * unit])
+    for way, side in ((1, "left"), (-1, "right")):
+        high = apex + 0.3 * way * unit * across
+        for label, back in (("front", -0.1), ("back", -2.0)):
+            leg = (deck + back * unit * out + 0.8 * way * unit * across, high)
+            paint.rod(body, f"{name}.gantry.{label}.{side}", "structure", leg, 0.08 * unit)
+        pendant = (high, part.tip + 0.15 * way * unit * across + 1.3 * lift)
+        paint.rod(body, f"{name}.pendant.{side}", "steel", pendant, 0.04 * unit)
+
+
+def slewing_deck(
+    paint: Painter, body: Any, name: str, foot: Array, out: ArrayLike = (1.0, 0.0, 0.0)
+) -> Array:
+    """A round deck under a boom's foot, with machine house, counterweight and cab; its middle."""
+    unit, out, across = paint.unit, np.asarray(out), across_of(out)
+    deck = foot - np.array([0, 0, 0.35 * unit])
     ring = (deck - np.array([0, 0, 0.2 * unit]), deck)
     paint.drum(body, f"{name}.deck", "steel", ring, 1.7 * unit)
     house = deck - 1.1 * unit * out + np.array([0, 0, 0.7 * unit])
@@ -192,14 +209,7 @@ def boom(paint: Painter, body: Any, part: Boom) -> None:
     paint.box(body, f"{name}.counterweight", "concrete", weight, half, out)
     cab = deck + 0.5 * unit * out - 1.1 * unit * across + np.array([0, 0, 0.5 * unit])
     paint.box(body, f"{name}.cab", "cargo", cab, (0.45 * unit, 0.35 * unit, 0.5 * unit), out)
-    apex = deck - 1.2 * unit * out + np.array([0, 0, 4.0 * unit])
-    for way, side in ((1, "left"), (-1, "right")):
-        high = apex + 0.3 * way * unit * across
-        for label, back in (("front", -0.1), ("back", -2.0)):
-            leg = (deck + back * unit * out + 0.8 * way * unit * across, high)
-            paint.rod(body, f"{name}.gantry.{label}.{side}", "structure", leg, 0.08 * unit)
-        pendant = (high, part.tip + 0.15 * way * unit * across + 1.3 * _lift(part, unit))
-        paint.rod(body, f"{name}.pendant.{side}", "steel", pendant, 0.04 * unit)
+    return np.asarray(deck)
 
 
 def _lift(part: Boom, unit: float) -> Array:
@@ -208,18 +218,18 @@ def _lift(part: Boom, unit: float) -> Array:
     return np.asarray(0.85 * unit * up_of(along))
 
 
-def _lattice(paint: Painter, body: Any, name: str, part: Boom) -> None:
-    """Four chords that meet at foot and tip, with diagonals between the shoulders."""
+def lattice(paint: Painter, body: Any, name: str, foot: Array, tip: Array, lift: Array) -> None:
+    """Four chords that meet at foot and tip, with diagonals; its middle lies off them by `lift`."""
     unit = paint.unit
-    along = part.tip - part.foot
+    along = tip - foot
     length = float(np.linalg.norm(along))
-    along, lift = along / length, _lift(part, unit)
+    along = along / length
     across, up = across_of(along), up_of(along)
     bays = max(2, round(0.8 * length / (1.1 * unit)))
     stations = [
-        (part.foot + 0.45 * lift, 0.15),
-        *((part.foot + s * length * along + lift, 0.4) for s in np.linspace(0.1, 0.92, bays + 1)),
-        (part.tip + 0.3 * unit * along + lift, 0.15),
+        (foot + 0.45 * lift, 0.15),
+        *((foot + s * length * along + lift, 0.4) for s in np.linspace(0.1, 0.92, bays + 1)),
+        (tip + 0.3 * unit * along + lift, 0.15),
     ]
     corners = [(1, 1), (1, -1), (-1, -1), (-1, 1)]
     rings = [

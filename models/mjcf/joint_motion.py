@@ -79,7 +79,7 @@ def pivot_place(
 
 
 def shift_of(rig: Rig, frame: Frame | None, motion: Mapping[str, Array], like: Array) -> Array:
-    """Motion of a frame's origin in its axes, (orders, N, 3).
+    """Motion of a frame's origin in its axes, (orders, N, 3), or (orders, 1, N, 3) `like` many.
 
     It counts from the origin of the next frame below that turns, or from the world's, as all that a
     sliding frame carries does: zero for the frame that turns.
@@ -87,6 +87,7 @@ def shift_of(rig: Rig, frame: Frame | None, motion: Mapping[str, Array], like: A
     if frame is None or frame.kind != "sliding":
         return np.zeros((*like.shape[:-1], 3))
     slid = np.multiply.outer(motion[frame.coordinate], np.asarray(frame.axis))
+    slid = slid.reshape(len(slid), *(1,) * (like.ndim - slid.ndim), *slid.shape[1:])
     return np.asarray(slid + _foot(rig, frame, motion, like))
 
 

@@ -19,7 +19,7 @@ from ..friction import Friction
 from ..rig.chain import Link, joint_names, links
 from ..rig.coordinate_values import gather
 from ..rig.lengths import rope_lengths
-from ..rig.rig import Anchor, Frame, Platform, Rig, Trolley
+from ..rig.rig import WORLD, Anchor, Frame, Platform, Rig, Trolley
 from ..rig.turning_axes import carry
 from ..types import Array
 from ..values import reals
@@ -102,12 +102,13 @@ def points(
     place: dict[str, Array] = {}
     world: dict[str, Array] = {}
     corners = [anchor for anchor in rig.anchors if rig.platform(anchor.frame) is not None]
-    for anchor in rig.anchors:
-        if anchor in corners:
-            continue
-        frame = rig.frame(anchor.frame)
-        own = shift_of(rig, frame, motion, joints) + fixed(anchor.position, joints)
-        world[anchor.name] = outwards(rig, frame, motion, own)
+    for frame in (None, *rig.frames):
+        here = [a for a in rig.anchors if a.frame == (frame.name if frame else WORLD)]
+        if here:  # all of a frame at once
+            shift = shift_of(rig, frame, motion, joints)
+            own = np.stack([shift + fixed(a.position, joints) for a in here], axis=1)
+            moved = outwards(rig, frame, motion, own)
+            world |= {a.name: moved[:, k] for k, a in enumerate(here)}
     for link in links(rig):
         part = link.part
         if isinstance(part, Frame):

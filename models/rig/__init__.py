@@ -7,6 +7,7 @@ A file for each family of cranes registers them in the catalogue, in the order o
 from . import trolley_cranes as trolley_cranes
 from . import navy_cranes as navy_cranes
 from . import manipulators as manipulators
+from . import boom_cranes as boom_cranes
 # isort: on
 
 from .rig import (

@@ -18,6 +18,17 @@ UPRIGHT: Vector = (0.0, 0.0, 1.0)
 """The axis of frames that turn as a crane's tower does."""
 
 
+LEVEL = 0.9
+"""Part of a turning frame's axis along z beyond which it is a tower, not a boom."""
+
+
+def rises(frame: Frame) -> bool:
+    """Whether a frame is a boom, which lifts what it carries: not a tower, a bridge or a portal."""
+    if frame.kind == "turning":
+        return abs(frame.axis[2]) < LEVEL
+    return frame.parent != WORLD
+
+
 def parents_first(rig: str, frames: Sequence[Frame]) -> tuple[Frame, ...]:
     """The frames, each after its parent, and otherwise in their order.
 

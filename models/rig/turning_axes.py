@@ -4,6 +4,8 @@ A motion is an array whose first axis is the order of the derivative, position, 
 where needed, acceleration, each (N, 3); so is the motion of an angle, each (N,).
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from ..types import Array
@@ -15,11 +17,24 @@ def turn_about(axis: Vector, motion: Array, angle: Array) -> Array:
     """A motion (orders, N, 3) seen from axes against which its own turn by `angle` about `axis`."""
     if axis == UPRIGHT:
         return turn(motion, angle)
+    order, sign, basis = _third(axis)
+    if basis is not None:
+        return _mapped(turn(_mapped(motion, basis), angle), basis.T)
+    turned = np.empty_like(motion)
+    turned[..., order] = turn(motion[..., order], sign * angle)
+    return turned
+
+
+@lru_cache(maxsize=64)
+def _third(axis: Vector) -> tuple[list[int], float, Array | None]:
+    """What brings an axis into the place of z: an order of x, y, z and a sign, or a rotation."""
     a = np.array(axis)
-    across = np.eye(3)[np.abs(a).argmin()]
-    b = np.cross(a, across) / np.linalg.norm(np.cross(a, across))
-    basis = np.array([b, np.cross(a, b), a])
-    return _mapped(turn(_mapped(motion, basis), angle), basis.T)
+    along = int(np.abs(a).argmax())
+    if abs(a[along]) == 1.0:
+        return [(along + 1) % 3, (along + 2) % 3, along], float(a[along]), None
+    b = np.cross(a, np.eye(3)[np.abs(a).argmin()])
+    b /= np.linalg.norm(b)
+    return [0, 1, 2], 1.0, np.array([b, np.cross(a, b), a])
 
 
 def _mapped(motion: Array, matrix: Array) -> Array:

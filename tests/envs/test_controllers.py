@@ -11,7 +11,7 @@ from flatrig.feedforward import hold
 from flatrig.models.friction import Friction
 
 NAMES = list(envs.ENVIRONMENTS)
-OVERHEAD, ROPED, ROTARY, CANTILEVER, GANTRY, NAVY2, NAVY3, CABLEV = NAMES
+OVERHEAD, ROPED, ROTARY, CANTILEVER, GANTRY, NAVY2, NAVY3, CABLEV = NAMES[:8]
 SPREAD = models.default_move("cable_manipulator").start[-1]
 GENTLE = {
     OVERHEAD: feedforward.rest_to_rest((0, -4), (1, -3), 2.5),
@@ -24,6 +24,8 @@ GENTLE = {
     CABLEV: feedforward.rest_to_rest(
         (1.35, 1.2, -3, 0, 0, 0, SPREAD), (1.6, 1.4, -2.7, 0.1, -0.05, 0.2, SPREAD), 4.0
     ),
+    "flatrig/LuffingCrane-v0": feedforward.rest_to_rest((30, 0, 8), (29.5, 0.5, 8.5), 6.0),
+    "flatrig/KnuckleCrane-v0": feedforward.rest_to_rest((31, 0, 2, -1.2), (30, 1, 3, -1.1), 5.0),
 }
 
 

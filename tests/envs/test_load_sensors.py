@@ -9,7 +9,7 @@ from flatrig import feedforward, models
 from flatrig.envs.crane.load_sensors import DEFLECTION, FADING, FORCE
 
 NAMES = list(envs.ENVIRONMENTS)
-OVERHEAD, CABLEV = NAMES[0], NAMES[-1]
+OVERHEAD, CABLEV = NAMES[0], "flatrig/CableManipulator-v0"
 GENTLE = feedforward.rest_to_rest((0, -4), (1, -3), 2.5)
 
 

@@ -8,7 +8,7 @@ import flatrig.envs as envs
 from flatrig import feedforward, models
 from flatrig.envs.crane.plan import feedforward_with, make_plan
 from flatrig.envs.crane.task import CraneTask
-from flatrig.envs.crane.tuning import TUNING, gains_along, gains_of, inertia_matrices
+from flatrig.envs.crane.tuning import TUNING, gains_along, gains_of, inertia_matrices, kind_of
 from flatrig.envs.laws import task_of
 
 OVERHEAD, ROPED, ROTARY = list(envs.ENVIRONMENTS)[:3]
@@ -64,7 +64,7 @@ def test_every_common_motion_has_the_frequencies_that_are_tuned(name):
     joints = models.mjcf.rig_model.joint_state(task.rig, task.plant.model, coordinates).qpos
     inertia = inertia_matrices(task.plant, np.asarray(joints))
     squares = np.linalg.eigvals(np.linalg.solve(inertia, gains[:, :, :drives]))
-    tuned = np.array([TUNING["moving"][type(task.rig.driven(d))][0] for d in task.rig.drives])
+    tuned = np.array([TUNING["moving"][kind_of(task.rig.driven(d))][0] for d in task.rig.drives])
     assert np.prod(squares, axis=1).real == pytest.approx(np.prod(tuned**2))
     assert np.abs(squares.imag).max() < 1e-6
     assert squares.real.max() < 1.1 * tuned.max() ** 2
@@ -79,7 +79,9 @@ def test_a_load_that_is_15_percent_heavier_moves_no_drive_by_20_mm_at_rest(name)
     missing = feedforward_with(rig, plan, 1.15) - feedforward_with(rig, plan, 1.0)
     for row in (0, -1):
         stiffness = gains_along(plant, plan)[row, :, :drives]
-        assert np.abs(np.linalg.solve(stiffness, missing[row])).max() < 0.02
+        moved = np.abs(np.linalg.solve(stiffness, missing[row]))
+        falls = [getattr(rig.driven(drive), "falls", 1) for drive in rig.drives]
+        assert (moved / falls).max() < 0.02  # rope of a block on several falls moves it less
 
 
 @pytest.mark.parametrize("name", [OVERHEAD, ROPED])

@@ -5,6 +5,7 @@ import dataclasses
 import mujoco
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from flatrig import models
 from flatrig.feedforward import from_move, solve
@@ -12,6 +13,7 @@ from flatrig.models import ModelError
 from flatrig.models.mjcf import rig_model, rig_state, simulate
 from flatrig.models.rig import lengths
 from flatrig.models.rig.chain import joint_names, links
+from flatrig.models.rig.frames import tensor
 from flatrig.models.rig.rig import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Sheave, Trolley
 
 X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
@@ -107,7 +109,7 @@ def test_kinetic_energy_is_that_of_masses_winches_and_sheaves(rig, random_states
     motion, data = rig_state.points(rig, qpos, qvel), mujoco.MjData(model)
     spans = lengths.spans(rig, motion)
     values, rates = rig_state.coordinates(rig, model, rig_state.State(qpos, qvel))
-    expected = sum(frame.inertia * rates[frame.coordinate] ** 2 for frame in rig.frames)
+    expected = frame_energy(rig, values, rates)
     expected = expected + sum(m.mass * (motion[m.name][1] ** 2).sum(-1) for m in rig.masses)
     expected = expected + sum(spin_energy(body, rates, values) for body in rig.platforms)
     for rope in rig.ropes:
@@ -137,6 +139,32 @@ def test_a_sheave_turns_with_the_rope_beyond_it_even_at_the_winch():
     )  # fmt: skip
     scene = rig_model.spec(rig, visuals=False)
     assert [wrap.target.name for wrap in scene.tendon("hoist.winch").path] == ["winch", "load"]
+
+
+def frame_energy(rig, values, rates):
+    """Twice the energy of all frames, from spin and speed that each adds to those of its parent."""
+    count = len(next(iter(rates.values()), np.zeros(20)))
+    turned, still = np.tile(np.eye(3), (count, 1, 1)), np.zeros((count, 3))
+    moving, total = {"world": (turned, still, still)}, np.zeros(count)
+    for frame in rig.frames:
+        turned, spin, speed = moving[frame.parent]
+        axis, value = turned @ frame.axis, values[frame.coordinate][:, None]
+        rate = rates[frame.coordinate][:, None]
+        arm = turned @ frame.origin
+        if frame.kind == "turning":
+            turned = turned @ Rotation.from_rotvec(value * frame.axis).as_matrix()
+            speed, spin = speed + np.cross(spin, arm), spin + rate * axis
+        else:
+            speed = speed + np.cross(spin, arm + value * axis) + rate * axis
+        moving[frame.name] = turned, spin, speed
+        alone = frame.inertia if isinstance(frame.inertia, float) else 0.0
+        along = rate if frame.kind == "turning" else speed
+        total += alone * (along**2).sum(axis=1)
+        centre = speed + np.cross(spin, turned @ frame.centre)
+        about = np.einsum("nki,nk->ni", turned, spin)  # in its own axes
+        total += frame.mass * (centre**2).sum(axis=1)
+        total += np.einsum("ni,ij,nj->n", about, tensor(frame.inertia), about)
+    return total
 
 
 def spin_energy(platform, rates, values):
@@ -193,6 +221,13 @@ def test_power_of_inputs_and_gravity(rig, random_states):
     motion = rig_state.points(rig, qpos, qvel, qacc)
     power -= sum(rig.gravity * mass.mass * motion[mass.name][1, :, 2] for mass in rig.masses)
     data = mujoco.MjData(model)
+    heavy = [frame.name for frame in rig.frames if frame.mass]
+    for k, name in ((k, name) for k in range(len(qpos)) for name in heavy):
+        data.qpos[:], data.qvel[:] = qpos[k], qvel[k]
+        mujoco.mj_forward(model, data)
+        centre, body = np.zeros((3, model.nv)), model.body(name).id
+        mujoco.mj_jacBodyCom(model, data, centre, None, body)
+        power[k] -= rig.gravity * model.body_mass[body] * (centre @ qvel[k])[2]
 
     def kinetic(k, step):
         data.qpos[:] = qpos[k] + step * qvel[k] + 0.5 * step**2 * qacc[k]

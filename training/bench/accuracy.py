@@ -40,8 +40,13 @@ GOALS: dict[str, tuple[float | None, float | None]] = {
     "navy_crane_2d": (2e-5, None),
     "navy_crane_3d": (1e-7, None),
     "cable_manipulator": (5e-7, None),
+    # a boom under a held input falls away from its path: open loop is no way to hold one
+    "luffing_crane": (2e-4, 2e-4),
+    "knuckle_crane": (4e-4, 4e-4),
 }
 """Goals for the largest distance on the way and for that at arrival [m], where there are some."""
+TENSION_GOALS = {"luffing_crane": 0.2, "knuckle_crane": 0.5}
+"""Other goals for tensions [N]: of booms that fall away, and pull with tons."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +63,8 @@ class Case:
     """Goal for the largest distance on the way [m]."""
     arrival: float | None = None
     """Goal for the distance at arrival [m]."""
+    tension: float = TENSION_GOAL
+    """Goal for the difference of tensions [N]."""
 
 
 def cases() -> Iterator[Case]:
@@ -65,7 +72,8 @@ def cases() -> Iterator[Case]:
     for name in CATALOGUE:
         rig = make(name)
         for label, move in _moves(rig).items():
-            yield Case(label, rig, move, *GOALS.get(name, (None, None)))
+            tension = TENSION_GOALS.get(name, TENSION_GOAL)
+            yield Case(label, rig, move, *GOALS.get(name, (None, None)), tension)
 
 
 def _moves(rig: Rig) -> dict[str, Move]:
@@ -143,8 +151,8 @@ def land(case: Case) -> Landing:
         largest_m=most,
         largest_goal_m=case.largest,
         tension_N=tension,
-        tension_goal_N=TENSION_GOAL,
-        reached=near and tension <= TENSION_GOAL,
+        tension_goal_N=case.tension,
+        reached=near and tension <= case.tension,
     )
 
 
