@@ -31,6 +31,7 @@ from .rig.fingerprint import fingerprint
 from .rig.manipulators import cable_manipulator
 from .rig.move import Move
 from .rig.navy_cranes import navy_crane_2d, navy_crane_3d
+from .rig.payload import two_masses
 from .rig.rig import (
     WORLD,
     Anchor,
@@ -47,6 +48,7 @@ from .rig.rig import (
     Trolley,
     require_rig,
 )
+from .rig.spreader_cranes import container_crane, double_pendulum_crane
 from .rig.toml import dump, dumps, load, load_move, loads
 from .rig.trolley_cranes import (
     cantilever_crane,
@@ -104,8 +106,10 @@ __all__ = [
     "cantilever_crane",
     "compile",
     "compile_hand",
+    "container_crane",
     "default_hand_move",
     "default_move",
+    "double_pendulum_crane",
     "dump",
     "dumps",
     "extended_rotary_crane",
@@ -128,6 +132,7 @@ __all__ = [
     "rotary_crane_small",
     "three_finger_hand",
     "two_finger_hand",
+    "two_masses",
 ]
 
 PRINTED_MOVES = CATALOGUE.printed

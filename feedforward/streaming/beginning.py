@@ -9,9 +9,11 @@ from ...models.errors import OptionError, PathError, RigError
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ...models.values import as_number, reals, shown
+from ..exact.problem import problem_of
 from ..exact.state import State
 from ..paths.straight import hold
 from ..solving.inverse import solve
+from .symmetric import free_outputs
 
 
 def begin_of(rig: Rig, start: ArrayLike | State) -> State:
@@ -40,7 +42,7 @@ def begin_of(rig: Rig, start: ArrayLike | State) -> State:
 
 
 def velocity_of(rig: Rig, velocity: ArrayLike) -> Array:
-    """A velocity of the outputs, shape (outputs,).
+    """A velocity of the outputs, shape (outputs,); of those that would move what is held, none.
 
     Raises
     ------
@@ -56,7 +58,7 @@ def velocity_of(rig: Rig, velocity: ArrayLike) -> Array:
         )
     for i in np.flatnonzero(~np.isfinite(values))[:1]:
         raise PathError(f"velocity of {names[i]} is {values[i]}, it must be finite")
-    return values
+    return values if not rig.held else np.where(free_outputs(problem_of(rig)), values, 0.0)
 
 
 def between(name: str, value: object, low: float, high: float, unit: str) -> float:

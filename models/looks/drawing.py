@@ -4,6 +4,7 @@ Every function adds geoms to a body, in that body's axes; `Painter.unit` is abou
 """
 
 from collections.abc import Sequence
+from copy import copy
 from itertools import combinations
 from typing import Any
 
@@ -27,6 +28,12 @@ class Painter:
         """A length that suits the scene: about a trolley's [m]."""
         self.floor = size.floor
         """Height of the floor [m]."""
+
+    def smaller(self, unit: float) -> "Painter":
+        """One of the same scene at another unit, if that is less."""
+        other = copy(self)
+        other.unit = min(unit, self.unit)
+        return other
 
     def rod(self, body: Any, name: str, look: str, ends: Ends, radius: float) -> None:
         """A round bar between two points."""

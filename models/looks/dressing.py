@@ -1,5 +1,6 @@
 """Which part of a rig gets which looks: every body, rail, boom, anchor and rope of a scene."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -7,10 +8,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from ..rig.chain import links
+from ..rig.chain import links, stiff_links
 from ..rig.frames import carriers, rises
 from ..rig.rig import WORLD, Anchor, Frame, Platform, Rail, Rig, Trolley
-from . import drawing, structures
+from . import drawing, quay, structures
 from . import rising as risers
 from .booms import Boom
 from .drawing import Painter
@@ -58,6 +59,8 @@ def dress(
         dressing.boom(boom)
     dressing.anchors()
     dressing.masses()
+    for link in stiff_links(rig):
+        scene.tendon(link.name).material = ROPES[0]
     for index, rope in enumerate(rig.ropes):
         scene.tendon(rope.name).material = ROPES[index % len(ROPES)]
         for sheave in rope.sheaves:
@@ -99,6 +102,12 @@ class _Dressing:
             return
         for rail in rails:
             structures.portal(self.paint, body, rail, self.rail_ends(rail))
+        winches = [a for a in self.rig.anchors if a.frame == frame.name and a.name in self._winches]
+        if winches and not rails and frame.axis[2] == 0:
+            home, way = float(np.asarray(self.rig.home_of(frame))), WAY * self.size.reach
+            quay.carriage(self.paint, body, frame, winches)
+            ends, width = (home - way, home + way), self._width(frame)
+            quay.girders(self.paint, self.bodies[WORLD], frame, winches, ends, width)
 
     def boom(self, boom: Boom) -> None:
         """A boom and the tower that it stands on, which does not turn with it."""
@@ -118,13 +127,16 @@ class _Dressing:
         beams = {rail.frame for rail in rig.rails}
         for anchor in rig.anchors:
             body = self.bodies[anchor.frame]
-            if rig.platform(anchor.frame) is not None:
-                drawing.eye(paint, body, anchor)
+            platform = rig.platform(anchor.frame)
+            if platform is not None:
+                if not _above([a for a in rig.anchors if a.frame == platform.name]):
+                    drawing.eye(paint, body, anchor)
                 continue
             under_beam = anchor.frame in beams - {WORLD} and not self._in_tower(anchor)
             side = 1 if anchor.name in on_boom or under_beam else -1
             winch, sheave = anchor.name in winches, anchor.name in sheaves
-            drawing.anchor(paint, body, anchor, winch, sheave, side)
+            near = self._neighbour(anchor) if anchor.frame not in {WORLD, *beams} else np.inf
+            drawing.anchor(paint.smaller(0.35 * near), body, anchor, winch, sheave, side)
             if anchor.frame == WORLD and anchor.name not in on_boom and WORLD not in beams:
                 structures.mast(paint, body, anchor)
 
@@ -136,13 +148,22 @@ class _Dressing:
         leaning = {
             link.name for link in links(rig) if any(map(rises, carriers(rig.frames, link.frame)))
         }
+        hung = {b.name: np.array(b.swing.reach) for b in links(rig) if b.swing is not None}
+        hooks = {end for link in rig.links for end in link.ends}
         for mass in rig.masses:
             body, name = self.bodies[mass.name], mass.name
             if isinstance(mass, Trolley):
                 drawing.trolley(paint, body, rig.rail(mass.rail), name, name in winches)
             elif isinstance(mass, Platform):
                 corners = [anchor for anchor in rig.anchors if anchor.frame == name]
-                drawing.platform(paint, body, name, corners)
+                if _above(corners):
+                    quay.carried_box(paint, body, mass, corners)
+                else:
+                    drawing.platform(paint, body, name, corners)
+            elif name in hung:
+                quay.slung_cargo(paint, body, name, hung[name])
+            elif name in hooks and name not in sheaves:
+                quay.hook_block(paint, body, name)
             elif name in sheaves:
                 drawing.pulley(paint, body, name)
             elif name in leaning:
@@ -165,6 +186,20 @@ class _Dressing:
             along += [start + end for end in self.rail_ends(rail)]
         return min(along), max(along)
 
+    def _neighbour(self, anchor: Anchor) -> float:
+        """How far the next winch of a wide trolley is, endless on other frames [m]."""
+        frame = self.rig.frame(anchor.frame)
+        others = [a for a in self.rig.anchors if a.frame == anchor.frame and a is not anchor]
+        if frame is None or frame.kind != "sliding" or not others:
+            return np.inf
+        return min(math.dist(anchor.position, other.position) for other in others)
+
+    def _width(self, frame: Frame) -> float:
+        """How far from the middle what hangs below a wide trolley reaches across its way [m]."""
+        across = drawing.across_of(frame.axis)
+        edges = [0.5 * float(quay.box_of(p) @ np.abs(across)) for p in self.rig.platforms]
+        return max(edges, default=0.0) + 1.2 * self.size.unit
+
     def _in_tower(self, anchor: Anchor) -> bool:
         """Whether an anchor lies in the head of the tower that its frame turns on."""
         frame = self.rig.frame(anchor.frame)
@@ -175,3 +210,9 @@ class _Dressing:
     def _winches(self) -> set[str]:
         """Names of the points where ropes start."""
         return {rope.path[0] for rope in self.rig.ropes}
+
+
+def _above(corners: Sequence[Anchor]) -> bool:
+    """Whether a platform hangs from corners above it, as a spreader with its container does."""
+    low = min((corner.position[2] for corner in corners), default=0.0)
+    return low > 0.05 * max(float(np.hypot(*c.position[:2])) for c in corners) if corners else False

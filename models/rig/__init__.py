@@ -8,6 +8,7 @@ from . import trolley_cranes as trolley_cranes
 from . import navy_cranes as navy_cranes
 from . import manipulators as manipulators
 from . import boom_cranes as boom_cranes
+from . import spreader_cranes as spreader_cranes
 # isort: on
 
 from .rig import (

@@ -104,7 +104,7 @@ def test_every_rig_has_them(name):
     rig = env.unwrapped.task.rig
     names = [f"{output}.error" for output in rig.outputs]
     names += [f"{output}.rate_error" for output in rig.outputs]
-    names += [f"{rope.name}.tension" for rope in rig.ropes]
+    names += [f"{name}.tension" for name in rig.tension_names]
     assert env.unwrapped.observation_names[-len(names) :] == tuple(names)
     observation, _ = env.reset(seed=0)
     assert env.observation_space.contains(observation)

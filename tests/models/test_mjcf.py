@@ -164,13 +164,15 @@ def test_home_is_at_rest_under_its_inputs(name):
         np.testing.assert_allclose(places[mass.name], rig.home[mass.name], rtol=0, atol=1e-12)
         pull = np.array([0.0, 0.0, -mass.mass * rig.gravity])
         own = {mass.name, *(anchor.name for anchor in rig.anchors if anchor.frame == mass.name)}
-        for rope, tension in zip(rig.ropes, tensions, strict=True):
-            for pair in pairwise(rope.path):
-                falls = rope.falls if pair[1] == rope.path[-1] else 1
+        paths = [(rope.path, rope.falls) for rope in rig.ropes]
+        paths += [(link.ends, 1) for link in rig.links]
+        for (path, falls), tension in zip(paths, tensions, strict=True):
+            for pair in pairwise(path):
+                times = falls if pair == path[-2:] else 1
                 for here, there in (pair, pair[::-1]):
                     if here in own:
                         way = places[there] - places[here]
-                        pull += falls * tension * way / np.linalg.norm(way)
+                        pull += times * tension * way / np.linalg.norm(way)
         np.testing.assert_allclose(pull, 0.0, rtol=0, atol=1e-9 * rig.weight)
 
 

@@ -1,6 +1,7 @@
 """Two roads to the motion: MuJoCo's model and the description's own equations."""
 
 import json
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -63,6 +64,7 @@ def mujoco_accelerations(rig, model, data):
 
 @pytest.mark.parametrize("rig", RIGS, indirect=True)
 def test_accelerations_are_equal(rig, random_states):
+    rig = replace(rig, held=())  # random states are not symmetric
     equations, model = equations_of(rig), rig_model.compile(rig)
     qpos, qvel, inputs = random_states(rig)
     values, rates = rig_model.coordinates(rig, model, rig_model.State(qpos, qvel))
@@ -79,6 +81,7 @@ def test_accelerations_are_equal(rig, random_states):
 
 @pytest.mark.parametrize("rig", RIGS, indirect=True)
 def test_tensions_are_equal(rig, random_states):
+    rig = replace(rig, held=())  # random states are not symmetric
     equations, model = equations_of(rig), rig_model.compile(rig)
     qpos, qvel, inputs = random_states(rig)
     values, rates = rig_model.coordinates(rig, model, rig_model.State(qpos, qvel))

@@ -75,6 +75,7 @@ def test_the_winch_and_the_spring_tell_the_same_tension(rig, visuals, random_sta
     stretch, rate = generator.uniform(-0.01, 0.01, (2, *way[0].shape))
     qpos, qvel = np.hstack([qpos, way[0] - stretch]), np.hstack([qvel, way[1] - rate])
     found = tensions(rig, model, qpos, qvel, ctrl)
+    found = found[:, : len(rig.ropes)]
     assert_allclose(found, 1e5 * stretch + 300.0 * rate, rtol=1e-9, atol=1e-5)
 
 
