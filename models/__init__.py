@@ -26,6 +26,7 @@ from .hand.kiss_hands import (
 from .hand.move import HandMove
 from .mjcf.ropes import Ropes
 from .rig.boom_cranes import knuckle_crane, luffing_crane
+from .rig.cable_robots import cable_robot
 from .rig.catalogue import CATALOGUE, default_move, full_name, make, printed_move
 from .rig.fingerprint import fingerprint
 from .rig.manipulators import cable_manipulator
@@ -103,6 +104,7 @@ __all__ = [
     "ball_in_corner",
     "ball_on_plate",
     "cable_manipulator",
+    "cable_robot",
     "cantilever_crane",
     "compile",
     "compile_hand",

@@ -264,19 +264,20 @@ def clean(part: Any) -> None:
         elif kind == Literal[2, 3]:
             plain = value
         else:
-            plain = Home(value)
+            plain = Home(value, item.name)
         object.__setattr__(part, item.name, plain)
 
 
 class Home(Mapping[str, float | Vector]):
-    """An immutable mapping from names of parts to a position or (x, y, z)."""
+    """An immutable mapping from names of parts to a position or (x, y, z), or to numbers."""
 
-    def __init__(self, values: Mapping[str, object]) -> None:
+    def __init__(self, values: Mapping[str, object], what: str = "home") -> None:
+        kind = "positions" if what == "home" else "numbers"
         if not isinstance(values, Mapping):
-            raise RigError(f"home is {shown(values)}, it must map names to positions")
+            raise RigError(f"{what} is {shown(values)}, it must map names to {kind}")
         self._values: dict[str, float | Vector] = {}
         for name, value in values.items():
-            label = f"home of {word('a name in home', name)}"
+            label = f"{what} of {word(f'a name in {what}', name)}"
             if is_number(value):
                 self._values[name] = number(label, value)
             else:

@@ -144,7 +144,7 @@ class Lineariser:
         # Slides and hinges only: joints are numbers, and so are their deviations.
         assert model.nq == model.nv
         self.axes = 1 if rig.dimensions == 2 else 2
-        self._limits = np.array([drive.limit for drive in rig.drives])
+        self._limits = np.array([drive.largest for drive in rig.drives])
         self._weight = rig.gravity * sum(part.mass for part in payloads(rig))
         self._loads = [model.body(part.name).id for part in payloads(rig)]
         self._states, self._drives = 2 * model.nv, len(self._limits)

@@ -36,7 +36,7 @@ from ..laws import AnyEnv, Law, laws_of, refuse_below, task_of, wrap
 from .along_plans import AlongPlans
 from .plan import CranePlan, feedforward_with
 from .task import CraneTask
-from .tuning import forces_of
+from .tuning import IMMOBILE, forces_of
 
 RATE = 0.5
 """How fast the error of the estimate decays by default [1/s]: it converges within a move, and three
@@ -85,7 +85,11 @@ class MassLaw(Law):
         last = len(stiffness) - 1
         stiffness = stiffness[np.minimum(np.arange(len(slopes)), last)]
         # Where the feedback's springs yield to s, and the work of forces along it.
-        along = np.linalg.solve(stiffness, slopes[..., None])[..., 0] * forces_of(task.plant)
+        if drives > task.plant.model.nv:  # tensions that move nothing meet no spring
+            yielding = np.matvec(np.linalg.pinv(stiffness, rcond=IMMOBILE), slopes)
+            along = yielding * forces_of(task.plant)
+        else:
+            along = np.linalg.solve(stiffness, slopes[..., None])[..., 0] * forces_of(task.plant)
         return np.stack((slopes, along / (slopes * along).sum(axis=1, keepdims=True)), axis=1)
 
 

@@ -1,7 +1,8 @@
 """A rig's outputs as they really are: what a reference prescribes, read off n simulations.
 
-An output is a coordinate of a load or platform, of a frame, trolley or rope, or a weighted sum of
-such.  Loads and platforms are read from their sites in the world; the rest from joints and ropes.
+An output is a coordinate of a load or platform, of a frame, trolley or rope, a weighted sum of
+such, or the tension of a rope, whose rate is not read.  Loads and platforms are read from their
+sites in the world; the rest from joints and ropes.
 """
 
 import mujoco
@@ -9,6 +10,7 @@ import numpy as np
 from mujoco.batch import Batch
 
 from ...models.rig.chain import joint_names, links
+from ...models.rig.open_tensions import TENSION
 from ...models.rig.parts import Load, Platform, Trolley
 from ...models.rig.rig import Rig
 from ...models.types import Array
@@ -27,8 +29,17 @@ class Outputs:
         Shape (n, outputs) [m, rad] and [m/s, rad/s]; no rates without `rates`.
     """
 
-    def __init__(self, rig: Rig, model: mujoco.MjModel, batch: Batch, rates: bool) -> None:
+    def __init__(
+        self,
+        rig: Rig,
+        model: mujoco.MjModel,
+        batch: Batch,
+        rates: bool,
+        tensions: Array | None = None,
+    ) -> None:
         num = batch.nsim
+        if tensions is None:  # where nobody asks for them
+            tensions = np.zeros((num, len(rig.tension_names)))
         free = [*(part.name for part in rig.loads), *(part.name for part in rig.platforms)]
         sites = [model.site(index).name for index in range(model.nsite)]
         where = sources(rig, model)
@@ -46,11 +57,13 @@ class Outputs:
             "site": batch.bind("site_xpos").reshape(num, -1),
             "joint": batch.bind("qpos"),
             "rope": batch.bind("ten_length"),
+            "tension": tensions,
         }
         self._speeds = {
             "site": batch.bind("sensordata"),
             "joint": batch.bind("qvel"),
             "rope": batch.bind("ten_velocity"),
+            "tension": np.zeros_like(tensions),
         }
         self._sensors = {
             3 * sites.index(name) + axis: 3 * row + axis
@@ -89,7 +102,8 @@ class Outputs:
 def levers(rig: Rig, scales: Scales) -> Array:
     """What a unit of each output counts for in metres, (outputs,).
 
-    1 for a length; for an angle of a platform how far its farthest corner is from its centre, for
+    1 for a length; for a tension the typical length over the weight; for an angle of a platform
+    how far its farthest corner is from its centre, for
     the angle of a frame the typical length.
     """
     frames = [frame.coordinate for frame in rig.frames if frame.kind == "turning"]
@@ -98,6 +112,7 @@ def levers(rig: Rig, scales: Scales) -> Array:
         corners = [anchor.position for anchor in rig.anchors if anchor.frame == platform.name]
         farthest = max(float(np.linalg.norm(corner)) for corner in corners)
         lever |= dict.fromkeys(rig.angles_of(platform), farthest)
+    lever |= {name + TENSION: scales.length / scales.weight for name in rig.tension_names}
     return np.array([lever[output] for output in rig.outputs])
 
 
@@ -119,4 +134,6 @@ def sources(rig: Rig, model: mujoco.MjModel) -> dict[str, list[Term]]:
                 where[f"{link.name}.{letter}"] = [("site", first + axis, 1.0)]
     for rope in rig.ropes:
         where[rope.coordinate] = [("rope", model.tendon(rope.name).id, 1.0)]
+    for column, name in enumerate(rig.tension_names):
+        where[name + TENSION] = [("tension", column, 1.0)]
     return where

@@ -34,6 +34,5 @@ def reloaded(rig: Rig, load_mass: float) -> Rig:
 def _times(factor: float, part: Load | Platform) -> Load | Platform:
     if isinstance(part, Load):
         return replace(part, mass=factor * part.mass)
-    first, second, third = part.inertia
-    inertia = factor * first, factor * second, factor * third
+    inertia = tuple(factor * moment for moment in part.inertia)
     return replace(part, mass=factor * part.mass, inertia=inertia)

@@ -70,8 +70,10 @@ class Plant(Simulations[CranePlan, Scenario]):
         super().__init__(model, num, len(rig.drives), substeps, nthread)
         self.home = np.array(self.model.key_qpos[0])
         self.geometry = geometry_of(rig, self.model, self.home)
-        self._bind(rates)
+        self._bind()
         self._allocate()
+        self._outputs = Outputs(rig, self.model, self.batch, rates, self.tensions)
+        self.outputs, self.output_rates = self._outputs.values, self._outputs.rates
         ropes = self.tensions[:, : len(rig.ropes)]
         self._forces = RopeForces(rig, self.model, self.batch, self.geometry, self._spans, ropes)
         self._links = None
@@ -137,9 +139,9 @@ class Plant(Simulations[CranePlan, Scenario]):
         beyond = np.flatnonzero(self.margins[sim] <= 0)
         return self.reasons[beyond[0]] if beyond.size else ""
 
-    def _bind(self, rates: bool) -> None:
+    def _bind(self) -> None:
         """Live views of what is read and written at every step."""
-        batch, model, rig, num = self.batch, self.model, self.rig, self.num
+        batch, model, num = self.batch, self.model, self.num
         start = (self.qpos.ctypes.data - batch.state.ctypes.data) // batch.state.itemsize
         both = batch.state[:, start : start + 2 * model.nq]  # qvel follows qpos
         self._joint_state = both.reshape(num, 2, model.nq)
@@ -150,8 +152,6 @@ class Plant(Simulations[CranePlan, Scenario]):
         self._heights = batch.bind("site_xpos")[..., 2]
         sites = [[model.site(name).id for name in pair] for pair in self.geometry.hung]
         self._above, self._below = np.array(sites, dtype=int).reshape(-1, 2).T
-        self._outputs = Outputs(rig, model, batch, rates)
-        self.outputs, self.output_rates = self._outputs.values, self._outputs.rates
 
     def _allocate(self) -> None:
         """Work arrays of the affine map, one small product of matrices for each simulation."""

@@ -51,6 +51,9 @@ TUNING: dict[Track, dict[type, tuple[float, float]]] = {
 COMMON = 2.0
 """Most that a common motion's squared frequency may be of a drive's alone, at a set point."""
 
+IMMOBILE = 1e-10
+"""Mobility of drives' common motion, over the largest, below which it is rounding."""
+
 
 def gains_of(plant: Plant, track: Track = "moving") -> Gains:
     """Gains of each drive alone at home."""
@@ -59,7 +62,8 @@ def gains_of(plant: Plant, track: Track = "moving") -> Gains:
     scale = np.sqrt(np.diag(coupled))
     inertia = np.diag(coupled) / _gears(plant)
     if track == "set point":
-        quickest = float(np.linalg.eigvalsh(coupled / np.outer(scale, scale))[0])
+        shares = np.linalg.eigvalsh(coupled / np.outer(scale, scale))
+        quickest = float(shares[max(0, len(shares) - plant.model.nv)])
         inertia = inertia * min(1.0, COMMON * quickest)
     return Gains(frequency**2 * inertia, 2.0 * ratio * frequency * inertia)
 
@@ -100,6 +104,9 @@ def inertia_matrices(plant: Plant, joints: Array) -> Array:
     """
     masses, gradients = gradients_of(plant, joints)
     mobility = gradients @ np.linalg.solve(masses, gradients.swapaxes(1, 2))
+    drives, joints_of = gradients.shape[1:]
+    if drives > joints_of:  # more ropes than freedoms: none feels what cannot move
+        return np.asarray(np.linalg.pinv(mobility, rcond=IMMOBILE, hermitian=True))
     return np.asarray(np.linalg.inv(mobility))
 
 
@@ -129,7 +136,7 @@ def gradients_of(plant: Plant, joints: Array) -> tuple[Array, Array]:
 
 def forces_of(plant: Plant) -> Array:
     """Force along each drive's coordinate that its whole limit gives, shape (drives,)."""
-    limits: Array = np.array([drive.limit for drive in plant.rig.drives])
+    limits: Array = np.array([drive.largest for drive in plant.rig.drives])
     return _gears(plant) * limits
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from functools import lru_cache
 
 from ...models.errors import OptionError, RigError, did_you_mean
+from ...models.rig.open_tensions import TENSION, distributed
 from ...models.rig.rig import Rig
 from ..exact.problem import Problem, problem_of
 from ..exact.refusal import accept_flat
@@ -55,6 +56,12 @@ def formulation(rig: Rig, name: str) -> Formulation:
 @lru_cache(maxsize=256)
 def _built(problem: Problem, builder: Builder) -> Formulation:
     accept_flat(problem)
+    rig = problem.rig
+    if any(name.endswith(TENSION) for name in rig.outputs) or distributed(rig):
+        raise RigError(
+            f"rig {rig.name} has more ropes than freedoms: what says their tensions has no "
+            "derivatives to be integrated; use `solve`"
+        )
     return builder(problem)
 
 

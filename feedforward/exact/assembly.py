@@ -1,5 +1,6 @@
 """Assembles the equations of motion of a rig from its parts."""
 
+from itertools import combinations
 from types import MappingProxyType
 
 import numpy as np
@@ -219,17 +220,18 @@ class _Builder:
         """Inertia of the directors, Y 2.41, and their six constraints, Y 2.44."""
         unity = self.row(constant=1.0)
         for platform in self._in_plane():
-            pair = self.row(f"{platform.name}.cos"), self.row(f"{platform.name}.sin")
-            self._turn(platform.name, platform.inertia[1], *pair)
+            angle = self.row(f"{platform.name}.cos"), self.row(f"{platform.name}.sin")
+            self._turn(platform.name, platform.inertia[1], *angle)
         for platform in self._in_space():
             directors = self.directors(platform)
-            half = 0.5 * sum(platform.inertia)
-            for moment, rows in zip(platform.inertia, directors, strict=True):
+            half = 0.5 * sum(platform.inertia[:3])
+            for moment, rows in zip(platform.inertia[:3], directors, strict=True):
                 self.add_inertia(half - moment, *rows)
+            for moment, pair in zip(platform.inertia[3:], combinations(directors, 2), strict=False):
+                self.add_coupling(-moment, *pair)
             for i, first in enumerate(directors):
                 for k, second in enumerate(directors[i:], start=i):
-                    same = i == k
-                    name = f"{platform.name}.d{i + 1}d{k + 1}"
+                    same, name = i == k, f"{platform.name}.d{i + 1}d{k + 1}"
                     self.constrain(
                         Constraint(name, platform.name, "director", None),
                         *((0.5 if same else 1.0, a, b) for a, b in zip(first, second, strict=True)),

@@ -40,7 +40,7 @@ def residuals_of_held(problem: Problem, solution: Solution) -> Array:
     drives = free.input_matrix(state.T)[:, rows]
     forces = free.mass[rows] @ second - free.force[rows][:, None]
     forces += np.einsum("tkr,kt->rt", pulls, values[n : n + m])
-    forces -= np.einsum("tra,at->rt", drives, values[n + m :])
+    forces -= np.einsum("tra,at->rt", drives, values[n + m : n + m + len(rig.drives)])
     return np.asarray(forces)
 
 

@@ -7,8 +7,10 @@ from functools import lru_cache
 import numpy as np
 
 from ...models.errors import PathError
+from ...models.rig.open_tensions import TENSION
 from ...models.rig.rig import Rig
 from ...models.types import Array
+from .distribution import open_unknowns
 from .equations import Equations, redundant
 from .problem import Problem
 from .refusal import first_wrong, lost, place
@@ -79,7 +81,7 @@ def home_unknowns(equations: Equations) -> Array:
 
 
 def _home(equations: Equations) -> tuple[dict[str, Array], Array]:
-    """The rig's coordinates at home, and all unknowns there at rest.
+    """The rig's coordinates and tensions at home, and all unknowns there at rest.
 
     Those of statics are meant in the sense of least squares.
     """
@@ -88,8 +90,11 @@ def _home(equations: Equations) -> tuple[dict[str, Array], Array]:
     state, _ = redundant(equations, values, dict.fromkeys(values, np.zeros(())))
     values |= {rope.coordinate: state[equations.names.index(rope.coordinate)] for rope in rig.ropes}
     pull = np.hstack((equations.constraint_jacobian(state).T, -equations.input_matrix(state)))
-    statics = np.linalg.lstsq(pull, equations.force, rcond=None)[0]
-    return values, np.concatenate((state, statics))
+    statics = np.asarray(np.linalg.lstsq(pull, equations.force, rcond=None)[0])
+    tensions = equations.tensions(state[None], statics[None, : len(equations.roles)])[0]
+    pairs = zip(rig.tension_names, tensions, strict=True)
+    values |= {name + TENSION: np.array(tension) for name, tension in pairs}
+    return values, np.concatenate((state, statics, np.zeros(len(open_unknowns(equations)))))
 
 
 def _output(rig: Rig, values: dict[str, Array], name: str) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...models.errors import PathError, RigError, did_you_mean
 from ...models.files import replacing
+from ...models.rig.open_tensions import TENSION
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ...models.values import as_number
@@ -95,10 +96,17 @@ class Motion:
     def outputs(self) -> Array:
         """What the reference prescribes, shape (N, outputs)."""
         columns = [
-            sum(factor * self.positions[:, self.column(name)] for factor, name in terms)
+            sum(factor * self._of(name) for factor, name in terms)
             for terms in map(self.rig.terms, self.rig.outputs)
         ]
         return np.stack(columns, axis=1)
+
+    def _of(self, output: str) -> Array:
+        """A coordinate or a tension, shape (N,)."""
+        if output.endswith(TENSION):
+            names = self.rig.tension_names
+            return self.tensions[:, names.index(output.removesuffix(TENSION))]
+        return self.positions[:, self.column(output)]
 
     @property
     def drive_positions(self) -> Array:

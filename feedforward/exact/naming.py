@@ -20,8 +20,9 @@ def motion_of(
     n, m = len(equations.names), len(equations.constraint_names)
     state = np.array([[w[0], w[1], 2.0 * w[2]] for w in solution.series[:n]])
     values = np.array([w[0] for w in solution.series[n:]]).T
+    inputs = values[:, m : m + len(problem.rig.drives)]
     platforms = platform_angles(equations, state, taylor)
-    return named_motion(equations, times, state, angles, platforms, values[:, :m], values[:, m:])
+    return named_motion(equations, times, state, angles, platforms, values[:, :m], inputs)
 
 
 def named_motion(

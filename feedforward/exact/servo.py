@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...models.errors import RigError
+from ...models.rig.open_tensions import TENSION
 from ...models.types import Array
 from ..series.rotation import matrix, sine_cosine
 from .equations import Equations
@@ -35,6 +36,8 @@ class Servo:
     names: tuple[str, ...]
     rows: tuple[Terms, ...]
     """(a, j) of each row."""
+    products: tuple[tuple[tuple[float, int, int], ...], ...]
+    """(a, j, k) of each row: of a tension, which is a multiplier times a length."""
     sources: tuple[Source, ...]
     """Where the values of the rows come from, in their order: one row for terms, two for a
     frame (cosine and sine), nine for a platform (director by director)."""
@@ -85,6 +88,7 @@ def servo_constraints(equations: Equations) -> Servo:
     owners |= {angle: part.name for part in rig.platforms for angle in rig.angles_of(part)}
     names: list[str] = []
     rows: list[Terms] = []
+    products: dict[int, tuple[tuple[float, int, int], ...]] = {}
     sources: list[Source] = []
     implied: set[int] = set()
     for column, output in enumerate(rig.outputs):
@@ -94,6 +98,11 @@ def servo_constraints(equations: Equations) -> Servo:
             rows += [((1.0, i),) for i in turning[output]]
             sources.append(Source("frame", (column,)))
             implied |= set(equations.with_role("unit", owner=owners[output]))
+        elif output.endswith(TENSION):
+            linear, products[len(rows)] = _tension(equations, output.removesuffix(TENSION))
+            names.append(output)
+            rows.append(linear)
+            sources.append(Source("terms", (column,)))
         elif orientation is None:
             names.append(output)
             terms = rig.terms(output)
@@ -113,4 +122,14 @@ def servo_constraints(equations: Equations) -> Servo:
             columns = tuple(rig.outputs.index(angle) for angle in orientation.angles)
             sources.append(Source("platform", columns))
             implied |= set(orientation.constraints)
-    return Servo(tuple(names), tuple(rows), tuple(sources), frozenset(implied))
+    many = tuple(products.get(i, ()) for i in range(len(rows)))
+    return Servo(tuple(names), tuple(rows), many, tuple(sources), frozenset(implied))
+
+
+def _tension(equations: Equations, rope: str) -> tuple[Terms, tuple[tuple[float, int, int], ...]]:
+    """The tension of a rope that runs straight, its multiplier times its length over its falls."""
+    number = equations.rig.rope_names.index(rope)
+    (span,), (length,) = equations.spans[number], equations.span_lengths[number]
+    multiplier, row = len(equations.names) + span, length / equations.rig.ropes[number].falls
+    products = tuple((float(a), multiplier, j) for j, a in enumerate(row[:-1]) if a)
+    return (((float(row[-1]), multiplier),) if row[-1] else ()), products

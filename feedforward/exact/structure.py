@@ -24,6 +24,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from ...models.errors import RigError
+from ...models.rig.open_tensions import TENSION, redundant_bodies
+from .distribution import open_unknowns, rules
 from .equations import Equations
 from .servo import Servo
 
@@ -35,7 +37,7 @@ NEVER = -(10**6)
 class Row:
     """One equation, sum of terms = 0, as its monomials in the unknowns w and the reference."""
 
-    kind: Literal["motion", "constraint", "servo constraint"]
+    kind: Literal["motion", "constraint", "servo constraint", "distribution"]
     of: str
     """Name of the coordinate, constraint or output that it is the equation of."""
     constant: float = 0.0
@@ -55,12 +57,13 @@ class Row:
     @property
     def name(self) -> str:
         """Kind and whose, such as "motion of load.x" or "constraint hoist.1"."""
-        return f"{self.kind} of {self.of}" if self.kind == "motion" else f"{self.kind} {self.of}"
+        joined = " of " if self.kind in ("motion", "distribution") else " "
+        return f"{self.kind}{joined}{self.of}"
 
     @property
     def plain(self) -> bool:
         """Whether it prescribes an unknown itself, not a sum of them."""
-        return len(self.linear) == 1 and self.linear[0][0] == 1.0
+        return len(self.linear) == 1 and self.linear[0][0] == 1.0 and not self.quadratic
 
     def signature(self) -> dict[int, int]:
         """Order of the highest derivative of each unknown in this equation."""
@@ -126,12 +129,15 @@ def analyse_equations(equations: Equations, servo: Servo) -> Analysis:
         *equations.names,
         *(f"multiplier of {name}" for name in equations.constraint_names),
         *rig.input_names,
+        *open_unknowns(equations),
     )
     signature = np.full((len(rows), len(unknowns)), NEVER)
     for i, row in enumerate(rows):
         for j, order in row.signature().items():
             signature[i, j] = order
-    partner = _transversal(rig.name, rows, unknowns, signature)
+    redundant = redundant_bodies(rig)
+    hint = f', such as "{redundant[0].ropes[0].name}{TENSION}"' if redundant else ""
+    partner = _transversal(rig.name, rows, unknowns, signature, hint)
     c, d = _offsets(signature, partner)
     light = [load.name for load in rig.loads if load.mass == 0]
     return Analysis(
@@ -186,8 +192,29 @@ def _rows(equations: Equations, servo: Servo) -> tuple[Row, ...]:
                 follows=equations.roles[k].coordinate if k in frames else None,
             )
         )
-    for column, (name, terms) in enumerate(zip(servo.names, servo.rows, strict=True)):
-        rows.append(Row(kind="servo constraint", of=name, linear=terms, output=column))
+    prescribed = zip(servo.names, servo.rows, servo.products, strict=True)
+    for column, (name, terms, products) in enumerate(prescribed):
+        rows.append(
+            Row(
+                kind="servo constraint",
+                of=name,
+                linear=terms,
+                quadratic=products,
+                output=column,
+            )
+        )
+    first = n + m + len(equations.rig.drives)
+    for rule in rules(equations):
+        itself = () if rule.multiplier is None else ((1.0, n + rule.multiplier),)
+        rows.append(
+            Row(
+                kind="distribution",
+                of=rule.of,
+                constant=-rule.wanted,
+                linear=itself + tuple((-a, first + y) for a, y in rule.constant),
+                quadratic=tuple((-a, first + y, j) for a, y, j in rule.linear),
+            )
+        )
     return tuple(rows)
 
 
@@ -200,15 +227,22 @@ def _triples(terms: Iterable[tuple[float, int, int]]) -> tuple[tuple[float, int,
 
 
 def _transversal(
-    rig_name: str, rows: tuple[Row, ...], unknowns: tuple[str, ...], signature: np.ndarray
+    rig_name: str,
+    rows: tuple[Row, ...],
+    unknowns: tuple[str, ...],
+    signature: np.ndarray,
+    hint: str,
 ) -> np.ndarray:
-    """The unknown paired with each equation in a highest-value transversal."""
+    """The unknown paired with each equation in a highest-value transversal.
+
+    The hint says which outputs could help where there is none.
+    """
     equations, partner = linear_sum_assignment(signature, maximize=True)
     for i, j in zip(equations, partner, strict=True):
         if signature[i, j] == NEVER:
             raise RigError(
                 f"rig {rig_name} is structurally singular: nothing determines {unknowns[j]} "
-                f"({rows[i].name} is one equation too many); check its outputs and drives"
+                f"({rows[i].name} is one equation too many); check its outputs{hint} and drives"
             )
     return np.asarray(partner)
 

@@ -1,5 +1,7 @@
 """How well a motion satisfies a rig's equations, computed from its named results alone."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ...models.errors import OptionError
@@ -11,6 +13,7 @@ from .losses import losses_of
 from .motion import Motion
 from .problem import Problem, problem_of
 from .refusal import accept_columns
+from .structure import Row
 
 
 def residuals(motion: Motion, reference: Reference) -> Array:
@@ -39,6 +42,7 @@ def residuals(motion: Motion, reference: Reference) -> Array:
     if not len(motion.times):
         return np.zeros((0, len(rows)))
     values, rates, seconds = _unknowns(problem, motion)
+    values += _closest(rows, values, len(problem.analysis.unknowns) - len(values))
     path = problem.servo.prescribe(reference(motion.times)[None])[0]
     wrong, sizes = [], []
     for row in rows:
@@ -57,11 +61,38 @@ def residuals(motion: Motion, reference: Reference) -> Array:
     return np.asarray(np.array(wrong).T / scales)
 
 
-def _unknowns(problem: Problem, motion: Motion) -> tuple[list[Array], list[Array], list[Array]]:
-    """All unknowns and their first two derivatives, in the order of the analysis.
+def _closest(rows: Sequence[Row], values: Sequence[Array], count: int) -> list[Array]:
+    """The unknowns y that satisfy the rules best in the sense of least squares, (N,) each.
 
-    Those of inputs and multipliers are left out.
+    Parameters
+    ----------
+    rows
+        All equations, as `structure` has them.
+    values
+        The unknowns before y, (N,) each.
+    count
+        How many y there are.
     """
+    own = [row for row in rows if row.kind == "distribution"]
+    if not own:
+        return []
+    first, samples = len(values), len(values[0])
+    matrix, right = np.zeros((samples, len(own), count)), np.zeros((samples, len(own)))
+    for i, row in enumerate(own):
+        right[:, i] -= row.constant
+        for a, j in row.linear:
+            if j < first:
+                right[:, i] -= a * values[j]
+            else:
+                matrix[:, i, j - first] += a
+        for a, y, j in row.quadratic:
+            matrix[:, i, y - first] += a * values[j]
+    found = np.linalg.pinv(matrix) @ right[..., None]
+    return [*found[..., 0].T]
+
+
+def _unknowns(problem: Problem, motion: Motion) -> tuple[list[Array], list[Array], list[Array]]:
+    """Coordinates, multipliers and inputs, and the coordinates' first two derivatives."""
     equations = problem.equations
     table: dict[str, tuple[Array, Array, Array]] = {}
     for i, name in enumerate(motion.coordinate_names):
@@ -82,12 +113,13 @@ def _unknowns(problem: Problem, motion: Motion) -> tuple[list[Array], list[Array
     for k in equations.with_role("frame"):
         _follow(equations, table, k)
     names = problem.analysis.unknowns
-    first = len(names) - motion.multipliers.shape[1] - motion.inputs.shape[1]
     inputs, losses = motion.inputs, losses_of(motion.rig)
     if losses is not None:
         inputs = losses.delivered(inputs, motion.drive_velocities)
     forces = np.hstack((motion.multipliers, inputs)).T
-    values, rates, seconds = zip(*(table[name] for name in names[:first]), strict=True)
+    values, rates, seconds = zip(
+        *(table[name] for name in names[: len(equations.names)]), strict=True
+    )
     return [*values, *forces], [*rates], [*seconds]
 
 

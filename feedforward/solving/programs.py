@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...models.rig.frames import UPRIGHT
+from ...models.rig.open_tensions import TENSION
 from ...models.rig.rig import WORLD, Frame
 from ...models.types import Array, Mask
 from ..exact.branch import Branch
@@ -101,8 +102,11 @@ def samples_about(problem: Problem) -> list[list[Array]]:
     outputs = home_outputs(problem.equations)
     random = np.random.default_rng(0)
     taylor = np.zeros((problem.order + 1, SAMPLES, len(outputs)))
-    size = max(1.0, float(np.abs(outputs).max()))
-    scale = [1.0 if name in problem.rig.angles else size for name in problem.rig.outputs]
+    places = [not name.endswith(TENSION) for name in problem.rig.outputs]
+    size = max(1.0, float(np.abs(outputs[places]).max(initial=0.0)))
+    scales = dict.fromkeys(problem.rig.angles, 1.0)
+    scales |= {name + TENSION: problem.rig.weight for name in problem.rig.tension_names}
+    scale = [scales.get(name, size) for name in problem.rig.outputs]
     taylor[0] = outputs + ABOUT * random.uniform(-1.0, 1.0, taylor[0].shape) * scale
     taylor[2] = PUSH * random.uniform(-1.0, 1.0, taylor[0].shape)
     solution = expand(problem, taylor, home_unknowns(problem.equations), follow=False)

@@ -100,8 +100,9 @@ class Evaluator:
             state = np.array([[w[0], w[1], 2.0 * w[2]] for w in solution.series[:n]])
             platforms = platform_angles(equations, state, taylor)
             forces, times = values[n:].T, np.arange(float(values.shape[1]))
+            last = m + len(equations.rig.drives)
             motion = named_motion(
-                equations, times, state, angles, platforms, forces[:, :m], forces[:, m:]
+                equations, times, state, angles, platforms, forces[:, :m], forces[:, m:last]
             )
         rows = (
             motion.positions.T, motion.velocities.T, motion.accelerations.T,
@@ -157,8 +158,9 @@ def _place(problem: Problem, found: Compiled, unknown: int) -> int | None:
     equations, names = problem.equations, found.program.names
     n, k = len(equations.names), len(names)
     multipliers = n + len(equations.constraint_names)
-    if unknown >= multipliers and losses_of(problem.rig) is not None:
-        return None  # the result has the losses, too
+    inputs = multipliers + len(problem.rig.drives)
+    if unknown >= inputs or (unknown >= multipliers and losses_of(problem.rig) is not None):
+        return None  # no result, or one that has the losses, too
     if unknown >= n:  # multipliers and inputs stand one after the other here as there
         return 3 * k + unknown - n
     if any(unknown in (cos, sin) for _, cos, sin in equations.turning):

@@ -1,9 +1,12 @@
 """The home keyframe of a rig's model: the inputs, and the stretch of ropes, that hold it there."""
 
+import math
+
 import mujoco
 import numpy as np
 
 from ..errors import ModelError
+from ..rig.open_tensions import distributed, wanted_densities
 from ..rig.rig import Rig
 from ..types import Array
 from . import spools
@@ -28,7 +31,7 @@ def compile_at_rest(scene: mujoco.MjSpec, rig: Rig, ropes: Ropes) -> mujoco.MjMo
         reason = " ".join(str(error).split())
         raise ModelError(f"MuJoCo refuses the model of rig {rig.name}: {reason}") from None
     tendons = [stretch_of(rope) for rope in rig.ropes] if ropes.spooled else []
-    inputs, tensions_at_rest = _holding_inputs(model, tendons)
+    inputs, tensions_at_rest = _holding_inputs(model, tendons, *_distribution(rig, len(tendons)))
     home = model.key_qpos[0].copy()
     if ropes.spooled:
         spools.settle(scene, rig, ropes, model)  # while the keyframe's ropes are unstretched
@@ -38,10 +41,35 @@ def compile_at_rest(scene: mujoco.MjSpec, rig: Rig, ropes: Ropes) -> mujoco.MjMo
     return model
 
 
-def _holding_inputs(model: mujoco.MjModel, tendons: list[str]) -> tuple[Array, Array]:
+def _distribution(rig: Rig, tendons: int) -> tuple[Array, Array]:
+    """Sizes of inputs, then of tensions, and wanted values in them, (drives + tendons,) each.
+
+    Of more ropes than freedoms an input counts as the force density of its rope, and is to be
+    closest to the wanted one, as `Rig.distribution` has it; all else counts as it is.
+    """
+    size, wanted = np.ones(len(rig.drives) + tendons), np.zeros(len(rig.drives) + tendons)
+    bodies = distributed(rig)
+    if bodies:
+        places = {point: rig.home_point(point) for rope in rig.ropes for point in rope.path}
+        densities = wanted_densities(rig, places)
+        for rope in (rope for body in bodies for rope in body.ropes):
+            column = [drive.on for drive in rig.drives].index(rope.name)
+            length = math.dist(*(places[point] for point in rope.path)) / rope.falls
+            size[column] = rig.arm(rig.drives[column]) * length
+            wanted[column] = -densities[rope.name]
+            if tendons:
+                other = len(rig.drives) + rig.rope_names.index(rope.name)
+                size[other], wanted[other] = length, densities[rope.name]
+    return size, wanted
+
+
+def _holding_inputs(
+    model: mujoco.MjModel, tendons: list[str], size: Array, wanted: Array
+) -> tuple[Array, Array]:
     """Inputs (drives,), and tensions of some tendons, that keep the first keyframe at rest.
 
-    Where none do, those that come nearest (least squares).
+    Where none do, those that come nearest (least squares); where several do, those closest to the
+    wanted ones, all measured by their sizes.
     """
     data = mujoco.MjData(model)
     data.qpos[:] = model.key_qpos[0]
@@ -57,7 +85,8 @@ def _holding_inputs(model: mujoco.MjModel, tendons: list[str]) -> tuple[Array, A
         effect[:, index] = model.actuator_gear[index, 0] * column
     for column, name in enumerate(tendons, start=model.nu):
         effect[:, column] = -jacobian[model.tendon(name).id]
-    forces = np.linalg.lstsq(effect, data.qfrc_bias, rcond=None)[0]
+    missing = data.qfrc_bias - effect @ (size * wanted)
+    forces = size * (np.linalg.lstsq(effect * size, missing, rcond=None)[0] + wanted)
     # to nine decimals, so that exported scenes are the same on every machine; + 0.0 turns -0 to 0
     rounded = np.array([round(float(value), 9) + 0.0 for value in forces])
     return rounded[: model.nu], rounded[model.nu :]

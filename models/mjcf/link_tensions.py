@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..rig.chain import Link, links
+from ..rig.frames import second_moments, tensor
 from ..rig.lengths import spans
 from ..rig.rig import Frame, Load, Platform, Rig, Rope, Trolley
 from ..rig.swings import body_of
@@ -86,11 +87,13 @@ def _needed(
         force = force + part.drag * world[part.name][1]
     if not isinstance(part, Platform):
         return np.asarray(force)
-    half, torque = 0.5 * sum(part.inertia), np.zeros(force.shape)
-    for moment, axis in zip(part.inertia, np.eye(3), strict=True):
-        own = fixed((axis[0], axis[1], axis[2]), world[part.name])
-        director = turned_out(rig, body, own, motion)
-        torque += (half - moment) * np.cross(director[0], director[2])
+    second, torque = second_moments(tensor(part.inertia)), np.zeros(force.shape)
+    directors = [
+        turned_out(rig, body, fixed((axis[0], axis[1], axis[2]), world[part.name]), motion)
+        for axis in np.eye(3)
+    ]
+    for i, k in np.argwhere(second):
+        torque += second[i, k] * np.cross(directors[i][0], directors[k][2])
     return np.concatenate((force, torque), axis=-1)
 
 

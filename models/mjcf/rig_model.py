@@ -250,7 +250,9 @@ def _body(parent: Any, link: Link, rig: Rig) -> Any:
         body.ipos = (0.0, 0.0, 0.0) if link.swing is None else link.swing.reach
         body.add_site(name=part.name, pos=body.ipos)
     if isinstance(part, Platform):
-        body.inertia = part.inertia
+        body.inertia = part.inertia[:3]
+        if any(part.inertia[3:]):
+            body.inertia, body.fullinertia = np.zeros(3), part.inertia
     if turning is not None and link.home[0] != 0:
         body.alt.type = mujoco.mjtOrientation.mjORIENTATION_AXISANGLE
         body.alt.axisangle = [*turning.axis, link.home[0]]

@@ -9,6 +9,7 @@ from . import navy_cranes as navy_cranes
 from . import manipulators as manipulators
 from . import boom_cranes as boom_cranes
 from . import spreader_cranes as spreader_cranes
+from . import cable_robots as cable_robots
 # isort: on
 
 from .rig import (

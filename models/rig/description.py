@@ -33,9 +33,10 @@ class Description:
     ropes: tuple[Rope, ...]
     """Ropes with their winches."""
     drives: tuple[Drive, ...]
-    """Inputs, as many as `outputs`."""
+    """Inputs, as many as `outputs` and tensions that `distribution` says."""
     outputs: tuple[str, ...]
-    """Coordinates and combinations that a reference prescribes, in the order of its columns."""
+    """Coordinates, combinations and tensions of redundant ropes, "ROPE.tension", that a reference
+    prescribes, in the order of its columns."""
     frames: tuple[Frame, ...] = ()
     """Structures that move: booms, bridges, gantries; sorted so that each follows its parent."""
     anchors: tuple[Anchor, ...] = ()
@@ -58,6 +59,10 @@ class Description:
     """Coordinates of loads and platforms that symmetry keeps at home, such as that across the plane
     in which a spreader hangs.  Their equations are left out, and `feedforward.solve` looks whether
     they hold: whether nothing would move these freedoms if they were let go."""
+    distribution: Mapping[str, float | Vector] = Home({})
+    """Tensions [N] that ropes should have at home where a load or platform has more of them than
+    freedoms, 0 for those left out.  Of all tensions that make a motion those are taken whose force
+    densities, tension over length, are closest to the wanted ones in the sense of least squares."""
 
     @cached_property
     def input_names(self) -> tuple[str, ...]:

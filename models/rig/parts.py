@@ -141,8 +141,9 @@ class Platform(Part):
     """Name of the platform, which anchors give to be its corners."""
     mass: float
     """Mass of the platform [kg]."""
-    inertia: Vector
-    """Principal moments of inertia about its own x, y and z axes [kg m2]."""
+    inertia: tuple[float, ...]
+    """Moments of inertia about its own x, y and z axes through its centre of mass [kg m2], three
+    principal ones, or six numbers of the tensor: xx, yy, zz, xy, xz, yz."""
 
     @property
     def angles(self) -> tuple[str, str, str]:

@@ -29,6 +29,7 @@ from .description import Description, named
 from .frames import outwards, parents_first
 from .link import Link
 from .link_checks import check_held, check_links
+from .open_tensions import TENSION, check_counts, check_structure, redundant_bodies
 from .parts import (
     WORLD,
     Anchor,
@@ -86,6 +87,7 @@ class Rig(Description):
         ends: tuple[Anchor | Trolley | Load, ...] = (*self.anchors, *self.trolleys, *self.loads)
         points = [end.name for end in ends]
         known = [*self.coordinate_names, *(p.name for p in self.combinations)]
+        known += [rope.name + TENSION for found in redundant_bodies(self) for rope in found.ropes]
 
         validation.check_space(self.name, self.dimensions, self.gravity)
         validation.check_names(self.name, [part.name for part in parts])
@@ -94,7 +96,8 @@ class Rig(Description):
         validation.check_ropes(self.ropes, points)
         limit_checks.check_drives(self.name, self.drives, self.drivable, self.loads)
         validation.check_combinations(self.combinations, self.coordinate_names, self.angles)
-        validation.check_outputs(self.name, self.outputs, known, len(self.drives))
+        validation.check_outputs(self.name, self.outputs, known)
+        check_counts(self)
         validation.check_home(self.home, self.frames, self.masses, planar=planar)
         for trolley in self.trolleys:
             validation.check_trolley(trolley, self.home_of(trolley), self.rail(trolley.rail))
@@ -102,6 +105,8 @@ class Rig(Description):
         validation.check_spans(self.ropes, places)
         check_links(self.links, places, {anchor.name: anchor.frame for anchor in self.anchors})
         check_held(self)
+        centres = {part.name: self.home_of(part) for part in self.hanging}
+        check_structure(self, places | centres)
 
     @overload
     def home_of(self, part: Frame | Trolley) -> float: ...

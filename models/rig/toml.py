@@ -62,7 +62,7 @@ _PARTS = {
 LARGEST = 2**20
 """Size of a file beyond which it is none of a rig [bytes]."""
 FORM = "{coulomb = 2.0, viscous = 80.0}"
-_PLAIN = ("name", "dimensions", "gravity", "outputs", "home", "held")
+_PLAIN = ("name", "dimensions", "gravity", "outputs", "home", "held", "distribution")
 
 
 def load(path: str | Path) -> tuple[Rig, Move | None]:
@@ -147,6 +147,8 @@ def dumps(rig: Rig, move: Move | None = None) -> str:
         "outputs": list(rig.outputs),
         "home": dict(rig.home),
     }
+    if rig.distribution:
+        table["distribution"] = dict(rig.distribution)
     if rig.held:
         table["held"] = list(rig.held)
     for kind in _PARTS:

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from ..errors import RigError, did_you_mean
 from ..values import Vector
-from .frame_checks import check_frame
+from .frame_checks import check_frame, check_tensor
 from .limit_checks import check_rope_ends
 from .parts import (
     WORLD,
@@ -90,6 +90,14 @@ def _names(parts: Iterable[Part], *kinds: type[Part]) -> list[str]:
 
 def _check_platform(label: str, platform: Platform) -> None:
     _positive(label, "mass", platform.mass, "kg")
+    if len(platform.inertia) == 6:
+        check_tensor(label, platform.inertia)
+        return
+    if len(platform.inertia) != 3:
+        raise RigError(
+            f"{label}: inertia has {len(platform.inertia)} numbers, it needs 3 (xx, yy, zz) or 6 "
+            "(xx, yy, zz, xy, xz, yz)"
+        )
     for moment in platform.inertia:
         _positive(label, "a principal moment of inertia", moment, "kg m2")
     # A flat body has the sum of two moments equal to the third, up to rounding.
@@ -151,19 +159,14 @@ def check_combinations(
             _known(label, name, lengths)
 
 
-def check_outputs(rig: str, outputs: Sequence[str], known: Sequence[str], drives: int) -> None:
-    """Outputs are among what is `known`, as many as there are drives."""
+def check_outputs(rig: str, outputs: Sequence[str], known: Sequence[str]) -> None:
+    """Outputs are among what is `known`, each named once."""
     for output in outputs:
         if output not in known:
             hint = did_you_mean(output, known)
             raise RigError(f"rig {rig}: output {output!r} is not a coordinate{hint}")
         if outputs.count(output) > 1:
             raise RigError(f"rig {rig}: output {output!r} is named twice")
-    if len(outputs) != drives:
-        raise RigError(
-            f"rig {rig}: {len(outputs)} outputs for {drives} drives, "
-            "exact feedforward needs as many of one as of the other"
-        )
 
 
 def check_home(

@@ -175,7 +175,9 @@ def spin_energy(platform, rates, values):
     along_x = da * np.cos(beta) * np.cos(gamma) + db * np.sin(gamma)
     along_y = -da * np.cos(beta) * np.sin(gamma) + db * np.cos(gamma)
     along_z = da * np.sin(beta) + dc
-    return np.dot(platform.inertia, np.array([along_x, along_y, along_z]) ** 2)
+    products = [along_x**2, along_y**2, along_z**2]
+    products += [2.0 * along_x * along_y, 2.0 * along_x * along_z, 2.0 * along_y * along_z]
+    return np.dot(platform.inertia, np.array(products)[: len(platform.inertia)])
 
 
 def test_the_last_span_counts_once_for_each_fall():

@@ -21,6 +21,7 @@ from ...feedforward import Motion, Regulator
 from ...models import Rig
 from ...models.errors import ModelError
 from ...models.mjcf import rig_model
+from ...models.rig.open_tensions import TENSION
 from ...models.types import Array
 
 THREADS = 2
@@ -51,8 +52,10 @@ class Course:
     @property
     def outputs(self) -> Array:
         """The rig's outputs, shape (S, N, outputs)."""
+        pulls = zip(self.rig.tension_names, np.moveaxis(self.tensions, -1, 0), strict=False)
+        values = {**self.values, **{name + TENSION: pull for name, pull in pulls}}
         columns = [
-            np.sum([factor * self.values[name] for factor, name in terms], axis=0)
+            np.sum([factor * values[name] for factor, name in terms], axis=0)
             for terms in map(self.rig.terms, self.rig.outputs)
         ]
         return np.stack(columns, axis=-1)
