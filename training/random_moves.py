@@ -130,8 +130,9 @@ def _within(rig: Rig, move: Move, bounds: Array, pace: float) -> bool:
         motion = _motion(rig, _paced(move, pace))
     except PathError:
         return False
-    at_rest = np.minimum(motion.tensions[0], motion.tensions[-1])
-    taut = (motion.tensions >= TENSION * at_rest).all() and (at_rest > 0).all()
+    pulls = motion.tensions[:, list(rig.pulling)]
+    at_rest = np.minimum(pulls[0], pulls[-1])
+    taut = (pulls >= TENSION * at_rest).all() and (at_rest > 0).all()
     return bool(taut and (np.abs(motion.inputs) <= bounds).all())
 
 

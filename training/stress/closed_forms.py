@@ -32,8 +32,11 @@ def order_needed(rig: Rig) -> int:
     """Continuous derivatives of the path that the inputs take.
 
     Two for the accelerations; two more if a place follows from an acceleration; two more again if
-    a turning boom follows from the acceleration of a pulley that does, which has mass.
+    a turning boom follows from the acceleration of a pulley that does, which has mass, and two for
+    each link below a hook.
     """
+    if rig.name == "hook_crane":
+        return 4 + 2 * len(rig.links)
     heavy = rig.name == "pulley_crane" and rig.loads[0].mass > 0
     turning = any(frame.kind == "turning" for frame in rig.frames)
     return 6 if heavy and turning else ORDERS.get(rig.name, 4)

@@ -23,6 +23,8 @@ from ...models.rig.lengths import rope_lengths, spans
 from ...models.rig.rig import Frame, Platform, Rig, Rope, Trolley
 from ...models.types import Array
 
+UNLOADED = 1e-6
+"""Share of the largest tension below which a rope that pushes counts as unloaded."""
 INSTANTS = 12
 """Instants at which MuJoCo is asked."""
 
@@ -139,7 +141,9 @@ class Seen:
     def winches(self) -> float:
         """By how much tensions miss their winches' equations, over the forces in these."""
         size = np.stack([np.abs(a) + np.abs(b) for a, b in self._pulls], axis=1)
-        return _largest(self.motion.tensions - self.tensions, size)
+        if self.rig.pushing:  # it may be unloaded, up to rounding
+            size = np.maximum(size, UNLOADED * size.max())
+        return _largest(self.motion.tensions[:, : len(self.rig.ropes)] - self.tensions, size)
 
     def bodies(self) -> float:
         """By how much tensions and drives miss what moves each part, over the forces' size."""
@@ -210,7 +214,7 @@ class Seen:
         return force[:, None], size
 
     def _on_points(self) -> tuple[dict[str, Array], dict[str, Array]]:
-        """Pull of all ropes on each point (N, 3), and the sum of its magnitudes (N,)."""
+        """Pull of all ropes and links on each point (N, 3), and the sum of its magnitudes (N,)."""
         pulls: dict[str, Array] = {}
         sizes: dict[str, Array] = {}
         lengths = spans(self.rig, self.world)
@@ -225,6 +229,13 @@ class Seen:
                 for name, sign in ((before, 1.0), (after, -1.0)):
                     pulls[name] = pulls.get(name, 0.0) + sign * force
                     sizes[name] = sizes.get(name, 0.0) + np.abs(pull)
+        for column, link in enumerate(self.rig.links, start=len(self.rig.ropes)):
+            pull, (first, second) = self.motion.tensions[:, column], link.ends
+            step = self.world[second][0] - self.world[first][0]
+            force = (pull / self.rig.link_length(link))[:, None] * step
+            for name, sign in ((first, 1.0), (second, -1.0)):
+                pulls[name] = pulls.get(name, 0.0) + sign * force
+                sizes[name] = sizes.get(name, 0.0) + np.abs(pull)
         return pulls, sizes
 
     def off_rails(self) -> float:
@@ -242,6 +253,8 @@ class Seen:
         size = np.stack([np.abs(a) + np.abs(b) for a, b in self._pulls], axis=1)
         wrong = 0.0
         for column, rope in enumerate(self.rig.ropes):
+            if rope.pushes:
+                continue
             told = np.zeros(len(times), dtype=bool)
             for part in self.motion.slack:
                 if part.rope == rope.name:

@@ -146,12 +146,12 @@ def _checked(rig: Rig, reference: Reference, motion: Motion) -> Finding:
     size = np.abs(pulls).max(initial=0.0)
     pushing = {
         rope
-        for rope, tension in zip(rig.rope_names, pulls.T, strict=True)
-        if tension.min() < -SURE * size
+        for rope, tension in zip(rig.tension_names, pulls.T, strict=True)
+        if tension.min() < -SURE * size and rope not in rig.pushing
     }
     told = {part.rope for part in report.slack}
     if not pushing <= told or any(
-        pulls[:, rig.rope_names.index(rope)].min() > SURE * size for rope in told
+        pulls[:, rig.tension_names.index(rope)].min() > SURE * size for rope in told
     ):
         return _wrong(f"ropes {pushing} have to push, check says {told}")
     largest = [part.largest for part in report.sizing]

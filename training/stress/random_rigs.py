@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...models import WORLD, Anchor, Combination, Frame, Load, Platform, Rail, Rig, Trolley
+from .random_links import held_crane, hook_crane, pushed_crane
 from .random_parts import Dice, drives, frame
 
 
@@ -290,5 +291,8 @@ KINDS: tuple[Callable[[Dice], Rig], ...] = (
     rope_robot,
     tandem_crane,
     platform_crane,
+    hook_crane,
+    pushed_crane,
+    held_crane,
 )
 """Functions that draw a rig, one for each kind."""

