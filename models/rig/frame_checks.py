@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import RigError, did_you_mean
 from ..values import Vector
-from .frames import second_moments, tensor
+from .frames import about_axis, second_moments, tensor
 from .parts import Frame
 
 TOLERANCE = 1e-9
@@ -76,19 +76,11 @@ def _check_inertia(label: str, frame: Frame) -> None:
         )
     elif frame.along < 0 or not (frame.along or frame.mass):
         raise RigError(f"{label}: inertia is {frame.along:g} {unit}, it must be > 0")
-    if frame.kind == "turning" and not _about_axis(frame) > 0:
+    if frame.kind == "turning" and not about_axis(frame) > 0:
         raise RigError(
             f"{label}: it has no inertia about its axis, on which all of its mass lies; give it an "
             "inertia > 0 kg m2"
         )
-
-
-def _about_axis(frame: Frame) -> float:
-    """Moment of inertia of a turning frame about its axis [kg m2]."""
-    axis, centre = np.array(frame.axis), np.array(frame.centre)
-    away = centre - axis * (axis @ centre)
-    own = axis @ tensor(frame.inertia) @ axis
-    return float(own + frame.mass * (away @ away)) + frame.along
 
 
 def check_tensor(label: str, inertia: tuple[float, ...]) -> None:

@@ -126,3 +126,11 @@ def tensor(inertia: float | tuple[float, ...]) -> Array:
 def second_moments(inertia: Array) -> Array:
     """Integrals of x x, x y, ... over the mass (3, 3) of which a tensor (3, 3) is made."""
     return np.asarray(0.5 * np.trace(inertia) * np.eye(3) - inertia)
+
+
+def about_axis(frame: Frame) -> float:
+    """Moment of inertia of a turning frame about its axis, for its coordinate alone [kg m2]."""
+    axis, centre = np.array(frame.axis), np.array(frame.centre)
+    away = centre - axis * (axis @ centre)
+    own = axis @ tensor(frame.inertia) @ axis
+    return float(own + frame.mass * (away @ away)) + frame.along

@@ -22,6 +22,7 @@ from ...models.rig.chain import links
 from ...models.rig.lengths import rope_lengths, spans
 from ...models.rig.rig import Frame, Platform, Rig, Rope, Trolley
 from ...models.types import Array
+from .frame_motion import Moving, carried, moving_frames, taken
 
 UNLOADED = 1e-6
 """Share of the largest tension below which a rope that pushes counts as unloaded."""
@@ -169,27 +170,35 @@ class Seen:
                 pushed[anchor.name] = pulls[anchor.name], sizes[anchor.name]
         return max(worst, *(self._frame(frame, pushed) for frame in self.rig.frames), 0.0)
 
+    @cached_property
+    def _moving(self) -> dict[str, Moving]:
+        """All frames in the world."""
+        return moving_frames(self.motion)
+
     def _frame(self, frame: Frame, pushed: dict[str, tuple[Array, Array]]) -> float:
-        """The same of a frame, from the forces on its anchors and of its trolleys."""
-        rails = {rail.name for rail in self.rig.rails if rail.frame == frame.name}
+        """The same of a frame, from the forces on all that it carries, trolleys and anchors."""
+        on = {other.name for other in carried(self.rig, frame)}
+        rails = {rail.name for rail in self.rig.rails if rail.frame in on}
         own = [trolley.name for trolley in self.rig.trolleys if trolley.rail in rails]
-        own += [a.name for a in self.rig.anchors if a.frame == frame.name and a.name in pushed]
+        own += [a.name for a in self.rig.anchors if a.frame in on and a.name in pushed]
+        axis = self._moving[frame.parent].turned @ np.array(frame.axis)
+        forces = [(pushed[name][0], self.world[name][0], 0.0, pushed[name][1]) for name in own]
+        for other in carried(self.rig, frame):
+            force, place, moment = taken(self.rig, other, self._moving[other.name])
+            forces.append((-force, place, -moment, np.linalg.norm(force, axis=1)))
         second = self.motion.accelerations[:, self.motion.column(frame.coordinate)]
-        missing, size = -frame.along * second, frame.along * np.abs(second)
-        axis = np.array(frame.axis)
-        if frame.kind == "sliding":
-            missing = missing - frame.along * self.rig.gravity * axis[2]
-            size = size + frame.along * self.rig.gravity * abs(axis[2])
-        for name in own:
-            force, pull = pushed[name]
-            lever = 1.0
+        missing, size = np.zeros_like(second), np.zeros_like(second)
+        if frame.kind == "turning":
+            missing, size = -frame.along * second, frame.along * np.abs(second)
+        for force, place, moment, pull in forces:
             if frame.kind == "sliding":
-                missing = missing + force @ axis
-            else:
-                x, y, _ = self.world[name][0].T
-                lever = np.hypot(x, y)
-                missing = missing + x * force[:, 1] - y * force[:, 0]
-            size = size + lever * pull
+                missing, size = missing + (force * axis).sum(axis=1), size + pull
+                continue
+            arm = place - self._moving[frame.name].origin
+            turn = np.cross(arm, force) + moment
+            missing = missing + (turn * axis).sum(axis=1)
+            lever = np.linalg.norm(np.cross(arm, axis), axis=1)
+            size = size + lever * pull + np.abs(np.asarray(moment * axis).sum(axis=-1))
         return _largest(*self._driven(frame.name, missing, size))
 
     def _driven(self, part: str, missing: Array, size: Array) -> tuple[Array, Array]:
@@ -203,13 +212,7 @@ class Seen:
     def _along(self, trolley: Trolley, missing: Array, size: Array) -> tuple[Array, Array]:
         """The part of a force that the rail does not carry, and the drive."""
         rail = self.rig.rail(trolley.rail)
-        frame = self.rig.frame(rail.frame)
-        x, y, z = rail.direction
-        angle = np.zeros(len(self.motion.times))
-        if frame is not None and frame.kind == "turning":
-            angle = self.motion.positions[:, self.motion.column(frame.coordinate)]
-        cos, sin = np.cos(angle), np.sin(angle)
-        along = np.stack([x * cos - y * sin, x * sin + y * cos, np.full_like(cos, z)], axis=1)
+        along = self._moving[rail.frame].turned @ np.array(rail.direction)
         force, size = self._driven(trolley.name, (missing * along).sum(axis=1), size)
         return force[:, None], size
 

@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...models import WORLD, Anchor, Combination, Frame, Load, Platform, Rail, Rig, Trolley
+from .random_frames import boom_crane
 from .random_links import held_crane, hook_crane, pushed_crane
 from .random_parts import Dice, drives, frame
 
@@ -294,5 +295,6 @@ KINDS: tuple[Callable[[Dice], Rig], ...] = (
     hook_crane,
     pushed_crane,
     held_crane,
+    boom_crane,
 )
 """Functions that draw a rig, one for each kind."""

@@ -21,6 +21,7 @@ from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.rig_state import points
 from ...models.mjcf.simulate import accelerations
 from ...models.rig.chain import joint_names
+from ...models.rig.frames import about_axis
 from ...models.rig.lengths import rope_lengths
 from ...models.types import Array
 from .forces import Seen, few_of, model_of
@@ -138,7 +139,7 @@ def allowance(motion: Motion) -> float:
     rig = motion.rig
     turned = Seen(motion).rounding
     pulled = 1.0 + np.abs(motion.tensions).max() / rig.weight
-    inertias = [frame.along for frame in rig.frames if frame.kind == "turning"]
+    inertias = [about_axis(frame) for frame in rig.frames if frame.kind == "turning"]
     points = len(rig.masses) * mjcf.POINT_INERTIA / min(inertias, default=np.inf)
     return float(turned * pulled + points)
 

@@ -32,7 +32,7 @@ def random_move(rig: Rig, rng: np.random.Generator) -> Move:
     spans += [rig.link_length(link) for link in rig.links]
     size = float(np.median(spans))
     angles = rig.platform_angles
-    reach = np.array([0.4 if name in angles else 0.5 * min(spans) for name in rig.outputs])
+    reach = np.array([0.4 if name in rig.angles else 0.5 * min(spans) for name in rig.outputs])
     swing = 2.0 * math.pi * math.sqrt(size / rig.gravity)
     order = int(rng.integers(4, 9))
     duration = swing * 10.0 ** rng.uniform(0.0, 2.0)
