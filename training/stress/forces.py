@@ -182,10 +182,13 @@ class Seen:
         own = [trolley.name for trolley in self.rig.trolleys if trolley.rail in rails]
         own += [a.name for a in self.rig.anchors if a.frame in on and a.name in pushed]
         axis = self._moving[frame.parent].turned @ np.array(frame.axis)
-        forces = [(pushed[name][0], self.world[name][0], 0.0, pushed[name][1]) for name in own]
+        forces: list[tuple[Array, Array, Array, Array]] = []
+        for name in own:
+            force, pull = pushed[name]
+            forces.append((force, self.world[name][0], np.zeros_like(force), pull))
         for other in carried(self.rig, frame):
             force, place, moment = taken(self.rig, other, self._moving[other.name])
-            forces.append((-force, place, -moment, np.linalg.norm(force, axis=1)))
+            forces.append((-force, place, -moment, np.asarray(np.linalg.norm(force, axis=1))))
         second = self.motion.accelerations[:, self.motion.column(frame.coordinate)]
         missing, size = np.zeros_like(second), np.zeros_like(second)
         if frame.kind == "turning":
@@ -197,8 +200,8 @@ class Seen:
             arm = place - self._moving[frame.name].origin
             turn = np.cross(arm, force) + moment
             missing = missing + (turn * axis).sum(axis=1)
-            lever = np.linalg.norm(np.cross(arm, axis), axis=1)
-            size = size + lever * pull + np.abs(np.asarray(moment * axis).sum(axis=-1))
+            reach = np.linalg.norm(np.cross(arm, axis), axis=1)
+            size = size + reach * pull + np.abs((moment * axis).sum(axis=1))
         return _largest(*self._driven(frame.name, missing, size))
 
     def _driven(self, part: str, missing: Array, size: Array) -> tuple[Array, Array]:
