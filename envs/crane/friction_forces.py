@@ -9,7 +9,8 @@ The force of dry friction is exact but for one case.  MuJoCo's batch tells the s
 on a joint; where a rope and a trolley rub on the same one, as the rope that pulls the roped
 crane's trolley does, the sum is shared in proportion to what each can bear, a and b.  That is exact
 while both slip, since they slip together; while they stick, the tension is off by at most
-2 a b / (a + b).
+2 a b / (a + b).  Where more ropes rub than there are joints, each friction follows from MuJoCo's
+own law.
 """
 
 import mujoco
@@ -23,6 +24,9 @@ from .disturbances import Scenario
 FAINT = 1e-9
 """Regularisation of the split of friction among drives that rub on the same joint [N]: drives that
 cannot bear anything get nothing, and the matrix of the split stays regular."""
+
+SOFTEST, HARDEST = 1e-4, 0.9999
+"""Between which MuJoCo keeps impedances (mjMINIMP, mjMAXIMP)."""
 
 
 class Places:
@@ -70,6 +74,9 @@ class DryFriction:
             )
         ]
         self._directions = np.zeros((num, len(self._tendons) + len(self._slides), freedoms))
+        self._crowded = None
+        if self._directions.shape[1] > freedoms:
+            self._crowded = SoftFriction(model, batch, self._tendons, self._slides)
         for row, slide in enumerate(self._slides):
             self._directions[:, len(self._tendons) + row, slide] = 1.0
 
@@ -110,12 +117,45 @@ class DryFriction:
         bearable = np.concatenate(
             (self._on_tendon[:, self._tendons], self._on_joint[:, self._slides]), axis=-1
         )
+        if self._crowded is not None:
+            return self._crowded.forces(directions, bearable)[:, : len(self._at.ropes)]
         pairs = (directions[:, :, None, :] * directions[:, None, :, :]).sum(-1)
         diagonal = np.arange(pairs.shape[-1])
         pairs[:, diagonal, diagonal] += FAINT / (bearable + FAINT)
         along = (directions * self._force[:, None, :]).sum(-1)
         ropes = len(self._at.ropes)
         return np.asarray(np.linalg.solve(pairs, along[..., None])[:, :ropes, 0])
+
+
+class SoftFriction:
+    """MuJoCo's law of each friction by itself, for more that rubs than there are joints.
+
+    A constraint of friction has the force -(J qacc + b J qvel) / R within its bounds, with b and R
+    from its `solref` and `solimp` and its inverse weight, as MuJoCo's documentation has them
+    (Computation, constraint model).
+    """
+
+    def __init__(
+        self, model: mujoco.MjModel, batch: Batch, tendons: list[int], slides: list[int]
+    ) -> None:
+        self._tendons, self._slides = tendons, slides
+        solref = np.concatenate((model.tendon_solref_fri[tendons], model.dof_solref[slides]))
+        solimp = np.concatenate((model.tendon_solimp_fri[tendons], model.dof_solimp[slides]))
+        time = np.maximum(solref[:, 0], 2.0 * model.opt.timestep)
+        least, most = np.clip(solimp[:, :2].T, SOFTEST, HARDEST)
+        self._damping = 2.0 / (most * time)
+        self._softness = (1.0 - least) / least
+        self._of_tendons = batch.expand("tendon_invweight0")
+        self._of_joints = batch.expand("dof_invweight0")
+        self._speeds, self._accelerations = batch.bind("qvel"), batch.bind("qacc")
+
+    def forces(self, directions: Array, bearable: Array) -> Array:
+        """Of everything that rubs, (n, rubbing), from directions (n, rubbing, joints)."""
+        rates = np.matvec(directions, self._speeds)
+        missing = np.matvec(directions, self._accelerations) + self._damping * rates
+        weights = (self._of_tendons[:, self._tendons], self._of_joints[:, self._slides])
+        soft = self._softness * np.concatenate(weights, axis=-1)
+        return np.asarray(np.clip(-missing / soft, -bearable, bearable))
 
 
 class ViscousFriction:

@@ -29,6 +29,9 @@ GENTLE = {
     "flatrig/DoublePendulumCrane-v0": feedforward.rest_to_rest(
         (3, 2, -7), (4, 2.5, -6.5), 5.0, order=6
     ),
+    "flatrig/CableRobot-v0": feedforward.rest_to_rest(
+        (0, 0, 1.5, 0, 0, 0), (1, 0.5, 2, 0, 0, 0.1), 4.0
+    ),
     "flatrig/ContainerCrane-v0": feedforward.rest_to_rest(
         (10, -24, 0, 0, 0), (13, -23, 0, 0, 0), 6.0
     ),

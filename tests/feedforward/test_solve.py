@@ -127,6 +127,7 @@ def test_structure(name):
     """The Navy crane in space needs six derivatives (K theorem 3), as does a double pendulum."""
     analysis = analyse(models.make(name))
     expected = (7, 6) if name in ("navy_crane_3d", "double_pendulum_crane") else (5, 4)
+    expected = (3, 2) if name == "cable_robot" else expected  # its ropes hold every freedom
     assert (analysis.index, analysis.reference_order) == expected
     assert analysis.flat
     assert analysis.degrees_of_freedom == 0
