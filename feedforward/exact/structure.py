@@ -24,6 +24,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from ...models.errors import RigError
+from ...models.rig.rig import Rig
 from ...models.rig.open_tensions import TENSION, redundant_bodies
 from .distribution import open_unknowns, rules
 from .equations import Equations

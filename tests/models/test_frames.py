@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from flatrig import models
 from flatrig.feedforward import analyse, equations_of, redundant
-from flatrig.models import Anchor, Drive, Frame, Load, Rig, RigError, Rope
+from flatrig.models import Anchor, Drive, Frame, Load, ModelError, Rig, RigError, Rope
 from flatrig.models.mjcf import rig_model
 from flatrig.models.mjcf.simulate import accelerations
 from flatrig.models.rig.chain import joint_names
@@ -159,3 +159,24 @@ def test_random_chains_of_frames_move_in_mujoco_as_the_equations_say(seed: int) 
         assert (error <= 1e-9 * np.abs(expected).max(axis=1)).all()
     pulls = rig_model.tensions(rig, *joints, turn, inputs)
     assert pulls == pytest.approx(equations.tensions(state, multipliers), rel=1e-7)
+
+
+def test_a_boom_beside_the_tower_that_should_carry_it_is_refused() -> None:
+    beside = replace(CRANE, frames=(TOWER, replace(BOOM, parent="world")))
+    with pytest.raises(RigError, match="frame tower carries nothing, what stands on it names it"):
+        analyse(beside)
+
+
+def test_two_booms_side_by_side_cannot_hold_one_load_in_mujoco() -> None:
+    other = replace(BOOM, name="other", parent="world", origin=(30.0, 0.0, 10.0))
+    second = Anchor("end", (20.0, 0.0, 0.0), "other")
+    rig = replace(
+        CRANE,
+        frames=(TOWER, BOOM, other),
+        anchors=(*CRANE.anchors, second),
+        ropes=(*CRANE.ropes, Rope("second", ("end", "load"), 0.2, 1.0)),
+        drives=(*CRANE.drives, Drive("other", "other", 1e6)),
+        outputs=(*CRANE.outputs, "other.angle"),
+    )
+    with pytest.raises(ModelError, match="tie frames boom and other together"):
+        rig_model.compile(rig)
