@@ -24,8 +24,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from ...models.errors import RigError
-from ...models.rig.rig import Rig
 from ...models.rig.open_tensions import TENSION, redundant_bodies
+from ...models.rig.rig import Rig
 from .distribution import open_unknowns, rules
 from .equations import Equations
 from .servo import Servo
@@ -138,7 +138,8 @@ def analyse_equations(equations: Equations, servo: Servo) -> Analysis:
             signature[i, j] = order
     redundant = redundant_bodies(rig)
     hint = f', such as "{redundant[0].ropes[0].name}{TENSION}"' if redundant else ""
-    partner = _transversal(rig.name, rows, unknowns, signature, hint)
+    advice = f"check its outputs{hint} and drives{_idle(rig)}"
+    partner = _transversal(rig.name, rows, unknowns, signature, advice)
     c, d = _offsets(signature, partner)
     light = [load.name for load in rig.loads if load.mass == 0]
     return Analysis(
@@ -232,20 +233,30 @@ def _transversal(
     rows: tuple[Row, ...],
     unknowns: tuple[str, ...],
     signature: np.ndarray,
-    hint: str,
+    advice: str,
 ) -> np.ndarray:
     """The unknown paired with each equation in a highest-value transversal.
 
-    The hint says which outputs could help where there is none.
+    The advice is what to do where there is none.
     """
     equations, partner = linear_sum_assignment(signature, maximize=True)
     for i, j in zip(equations, partner, strict=True):
         if signature[i, j] == NEVER:
             raise RigError(
                 f"rig {rig_name} is structurally singular: nothing determines {unknowns[j]} "
-                f"({rows[i].name} is one equation too many); check its outputs{hint} and drives"
+                f"({rows[i].name} is one equation too many); {advice}"
             )
     return np.asarray(partner)
+
+
+def _idle(rig: Rig) -> str:
+    """A frame that nothing stands on, as the end of a message; nothing if there is none."""
+    used = {part.frame for part in (*rig.anchors, *rig.rails)}
+    used |= {frame.parent for frame in rig.frames}
+    idle = next((frame.name for frame in rig.frames if frame.name not in used), None)
+    if idle is None:
+        return ""
+    return f"; frame {idle} carries nothing, what stands on it names it as frame or parent"
 
 
 def _offsets(signature: np.ndarray, partner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
