@@ -251,7 +251,7 @@ def _transversal(
 
 def _idle(rig: Rig) -> str:
     """A frame that nothing stands on, as the end of a message; nothing if there is none."""
-    used = {part.frame for part in (*rig.anchors, *rig.rails)}
+    used = {anchor.frame for anchor in rig.anchors} | {rail.frame for rail in rig.rails}
     used |= {frame.parent for frame in rig.frames}
     idle = next((frame.name for frame in rig.frames if frame.name not in used), None)
     if idle is None:
