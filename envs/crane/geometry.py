@@ -20,7 +20,7 @@ import numpy as np
 from ...models.errors import OptionError
 from ...models.mjcf.rig_state import State, coordinates, points
 from ...models.mjcf.swinging import way
-from ...models.rig.chain import Link, joint_names, links
+from ...models.rig.chain import Body, chain_of, joint_names
 from ...models.rig.lengths import spans
 from ...models.rig.rig import Anchor, Rig
 from ...models.rig.turning_axes import carry
@@ -107,9 +107,9 @@ def angle_joints(rig: Rig) -> list[slice]:
     return [slice(joint, joint + len(own)) for joint, own in zip(first, angles, strict=True)]
 
 
-def swing_bodies(rig: Rig) -> list[Link]:
+def swing_bodies(rig: Rig) -> list[Body]:
     """The bodies of loads that swing on links."""
-    return [body for body in links(rig) if body.swing is not None]
+    return [body for body in chain_of(rig) if body.swing is not None]
 
 
 def geometry_of(rig: Rig, model: object, home: Array) -> Geometry:
@@ -191,7 +191,7 @@ def _corners(rig: Rig, places: dict[str, Array], size: int) -> dict[str, Array]:
     return corners
 
 
-def _swung(rig: Rig, swings: list[Link], places: dict[str, Array], size: int) -> dict[str, Array]:
+def _swung(rig: Rig, swings: list[Body], places: dict[str, Array], size: int) -> dict[str, Array]:
     """Loads on links at the probes: where they swing about, and what their `way` adds."""
     found = dict(places)
     for index, body in enumerate(swings):

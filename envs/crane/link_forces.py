@@ -11,14 +11,14 @@ import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
-from ...models.rig.chain import links, stiff_links
+from ...models.rig.chain import chain_of, stiff_links
 from ...models.rig.rig import Rig
 from ...models.types import Array
 
 
 def add_load_cells(scene: Any, rig: Rig) -> None:
     """Sensors of the force that holds each load on a link."""
-    for body in links(rig):
+    for body in chain_of(rig):
         if body.swing is not None:
             scene.add_sensor(
                 name=f"{body.swing.link.name}.force",
@@ -35,7 +35,7 @@ class LinkForces:
         names = [link.name for link in rig.links]
         self._out = out
         self._cells: list[tuple[int, slice, Array]] = []
-        for body in links(rig):
+        for body in chain_of(rig):
             if body.swing is not None:
                 first = int(model.sensor(f"{body.swing.link.name}.force").adr[0])
                 column = names.index(body.swing.link.name)

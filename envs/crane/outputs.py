@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
-from ...models.rig.chain import joint_names, links
+from ...models.rig.chain import chain_of, joint_names
 from ...models.rig.open_tensions import TENSION
 from ...models.rig.parts import Load, Platform, Trolley
 from ...models.rig.rig import Rig
@@ -122,7 +122,7 @@ def sources(rig: Rig, model: mujoco.MjModel) -> dict[str, list[Term]]:
     where: dict[str, list[Term]] = {
         name: [("joint", model.joint(name).id, 1.0)] for name in joint_names(rig)
     }
-    for link in links(rig):
+    for link in chain_of(rig):
         if isinstance(link.part, Trolley):
             terms = link.sums or ((link.part.coordinate, 1.0),)
             where[link.part.coordinate] = [

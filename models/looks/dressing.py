@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from ..rig.chain import links, stiff_links
+from ..rig.chain import chain_of, stiff_links
 from ..rig.frames import carriers, rises
 from ..rig.rig import WORLD, Anchor, Frame, Platform, Rail, Rig, Trolley
 from . import drawing, quay, structures
@@ -146,9 +146,9 @@ class _Dressing:
         winches, sheaves = self._winches, rig.pulleys
         blocks = {rope.path[-1] for rope in rig.ropes if rope.falls > 1}
         leaning = {
-            link.name for link in links(rig) if any(map(rises, carriers(rig.frames, link.frame)))
+            link.name for link in chain_of(rig) if any(map(rises, carriers(rig.frames, link.frame)))
         }
-        hung = {b.name: np.array(b.swing.reach) for b in links(rig) if b.swing is not None}
+        hung = {b.name: np.array(b.swing.reach) for b in chain_of(rig) if b.swing is not None}
         hooks = {end for link in rig.links for end in link.ends}
         for mass in rig.masses:
             body, name = self.bodies[mass.name], mass.name

@@ -12,7 +12,7 @@ import mujoco
 
 from ..errors import ModelError
 from ..friction import Friction
-from ..rig.chain import Link, links
+from ..rig.chain import Body, chain_of
 from ..rig.rig import Load, Rig, Rope
 from .ropes import spool
 
@@ -47,7 +47,7 @@ def add(scene: mujoco.MjSpec, rig: Rig) -> None:
             if isinstance(part, Rope) and scene.joint(spool(part)) is not None:
                 name = spool(part)
             _rub(scene.tendon(name) or scene.joint(name), part.friction, scene.option.timestep)
-    for link in links(rig):
+    for link in chain_of(rig):
         if isinstance(link.part, Load) and link.part.drag:
             _drag(scene, rig, link, link.part)
 
@@ -61,10 +61,10 @@ def _rub(item: Any, friction: Friction, timestep: float) -> None:
         item.solimp_friction[:2] = IMPEDANCE
 
 
-def _drag(scene: mujoco.MjSpec, rig: Rig, link: Link, load: Load) -> None:
+def _drag(scene: mujoco.MjSpec, rig: Rig, link: Body, load: Load) -> None:
     """A damper for each axis along which a load moves in the world."""
     joints = []
-    above: Link | None = link
+    above: Body | None = link
     while above is not None:
         own = [scene.joint(name) for name in above.joints]
         if any(joint.type != mujoco.mjtJoint.mjJNT_SLIDE for joint in own):

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..rig.chain import Link, joint_names, links
+from ..rig.chain import Body, chain_of, joint_names
 from ..rig.frames import carriers
 from ..rig.rig import Frame, Platform, Rig, Trolley, Vector
 from ..rig.turning_axes import turn_about
@@ -20,7 +20,7 @@ def joint_motion(rig: Rig, motion: Mapping[str, Array]) -> Array:
     """Motion of the joints (orders, N, nv) from that of all coordinates but ropes', (orders, N)."""
     columns: dict[str, Array] = {}
     place: dict[str, Array] = {}
-    for link in links(rig):
+    for link in chain_of(rig):
         part = link.part
         if isinstance(part, Frame):
             columns[part.coordinate] = motion[part.coordinate]
@@ -54,7 +54,7 @@ def on_rail(rig: Rig, trolley: Trolley, motion: Mapping[str, Array]) -> Array:
 
 
 def free_base(
-    rig: Rig, link: Link, motion: Mapping[str, Array], place: Mapping[str, Array]
+    rig: Rig, link: Body, motion: Mapping[str, Array], place: Mapping[str, Array]
 ) -> Array:
     """Motion of what a free mass counts from, in its frame's axes, (orders, N, 3)."""
     above = link.parent
@@ -64,7 +64,7 @@ def free_base(
 
 
 def pivot_place(
-    rig: Rig, link: Link, motion: Mapping[str, Array], place: Mapping[str, Array]
+    rig: Rig, link: Body, motion: Mapping[str, Array], place: Mapping[str, Array]
 ) -> Array:
     """Motion of the point that a load swings about, in its frame's axes, (orders, N, 3)."""
     swing = link.swing

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..rig.chain import Link, links
+from ..rig.chain import Body, chain_of
 from ..rig.frames import second_moments, tensor
 from ..rig.lengths import spans
 from ..rig.rig import Frame, Load, Platform, Rig, Rope, Trolley
@@ -42,7 +42,7 @@ def link_tensions(
     """
     matrix, wanted = [], []
     roped = _of_ropes(rig, world, pulls)
-    for body in links(rig):
+    for body in chain_of(rig):
         if isinstance(body.part, Frame):
             continue
         missing = _needed(rig, body, motion, world, ctrl)
@@ -69,7 +69,7 @@ def _towards(world: Mapping[str, Array], near: str, far: str) -> Array:
 
 
 def _needed(
-    rig: Rig, body: Link, motion: Mapping[str, Array], world: Mapping[str, Array], ctrl: Array
+    rig: Rig, body: Body, motion: Mapping[str, Array], world: Mapping[str, Array], ctrl: Array
 ) -> Array:
     """Mass times acceleration less weight, drives and friction, of each equation, (..., rows)."""
     part = body.part
@@ -99,7 +99,7 @@ def _needed(
 
 def _effect(
     rig: Rig,
-    body: Link,
+    body: Body,
     motion: Mapping[str, Array],
     world: Mapping[str, Array],
     point: str,

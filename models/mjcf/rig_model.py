@@ -31,7 +31,7 @@ import numpy as np
 
 from ..errors import ModelError, did_you_mean
 from ..looks import booms, dressing, setting
-from ..rig.chain import Link, links
+from ..rig.chain import Body, chain_of
 from ..rig.rig import WORLD, Frame, Platform, Rig, Trolley, Vector
 from ..values import as_number, shown
 from . import described_friction, rigging, spools, stiff_ties
@@ -175,14 +175,14 @@ def _scene(
     if ropes.spooled:
         spools.allow(scene, rig, ropes, friction)
     bodies = {WORLD: scene.worldbody}
-    for link in links(rig):
+    for link in chain_of(rig):
         bodies[link.name] = _body(bodies[link.parent.name if link.parent else WORLD], link, rig)
     for load in rig.loads:
         if load.mass == 0:
             bodies[load.name].mass, bodies[load.name].gravcomp = massless, 1.0
     for anchor in rig.anchors:
         bodies[anchor.frame].add_site(name=anchor.name, pos=anchor.position)
-    for link in links(rig):
+    for link in chain_of(rig):
         rigging.add_sum(scene, link)
     paid = spools.add(scene, rig, ropes) if ropes.spooled else []
     for rope in rig.ropes:
@@ -197,7 +197,7 @@ def _scene(
     if visuals:
         dressing.dress(scene, rig, bodies, size, rig_booms)
         rigging.add_sensors(scene, rig)
-    home = [value for link in links(rig) for value in link.home]
+    home = [value for link in chain_of(rig) for value in link.home]
     scene.add_key(name="home", qpos=home + paid, ctrl=np.zeros(len(rig.drives)))
     return scene
 
@@ -235,7 +235,7 @@ def _check_masses(rig: Rig, massless: float | None) -> None:
         )
 
 
-def _body(parent: Any, link: Link, rig: Rig) -> Any:
+def _body(parent: Any, link: Body, rig: Rig) -> Any:
     """A body at its home pose, its joints reading the home values there."""
     part = link.part
     body = parent.add_body(name=link.name, pos=link.position)
@@ -267,7 +267,7 @@ def _body(parent: Any, link: Link, rig: Rig) -> Any:
     return body
 
 
-def _axes(rig: Rig, link: Link) -> list[Vector]:
+def _axes(rig: Rig, link: Body) -> list[Vector]:
     """Axes of a body's joints, in their order; a platform turns about x, y, z after it slides."""
     if isinstance(link.part, Frame):
         return [link.part.axis]

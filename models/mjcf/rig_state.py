@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import ModelError
 from ..friction import Friction
-from ..rig.chain import Link, joint_names, links
+from ..rig.chain import Body, chain_of, joint_names
 from ..rig.coordinate_values import gather
 from ..rig.lengths import rope_lengths
 from ..rig.rig import WORLD, Anchor, Frame, Platform, Rig, Trolley
@@ -109,7 +109,7 @@ def points(
             own = np.stack([shift + fixed(a.position, joints) for a in here], axis=1)
             moved = outwards(rig, frame, motion, own)
             world |= {a.name: moved[:, k] for k, a in enumerate(here)}
-    for link in links(rig):
+    for link in chain_of(rig):
         part = link.part
         if isinstance(part, Frame):
             continue
@@ -133,7 +133,7 @@ def points(
     return world
 
 
-def _out(rig: Rig, link: Link, corner: Anchor, motion: Mapping[str, Array]) -> Array:
+def _out(rig: Rig, link: Body, corner: Anchor, motion: Mapping[str, Array]) -> Array:
     """From a platform's centre to a corner, (orders, N, 3)."""
     assert isinstance(link.part, Platform)
     angles = [motion[name] for name in rig.angles_of(link.part)]
@@ -165,7 +165,7 @@ def coordinates(rig: Rig, model: Any, state: HasState) -> tuple[dict[str, Array]
     joints = np.stack([np.asarray(state.qpos), np.asarray(state.qvel)])
     column = {name: joints[..., index] for index, name in enumerate(joint_names(rig))}
     motions: dict[str, Array] = {frame.coordinate: column[frame.coordinate] for frame in rig.frames}
-    for link in links(rig):
+    for link in chain_of(rig):
         if isinstance(link.part, Trolley):
             terms = link.sums or ((link.part.coordinate, 1.0),)
             motions[link.part.coordinate] = np.asarray(sum(f * column[name] for name, f in terms))

@@ -4,12 +4,12 @@ from typing import Any
 
 import mujoco
 
-from ..rig.chain import Link
+from ..rig.chain import Body
 from ..rig.rig import Drive, Frame, Rig, Rope, Trolley
 from .ropes import spool
 
 
-def add_sum(scene: mujoco.MjSpec, link: Link) -> None:
+def add_sum(scene: mujoco.MjSpec, link: Body) -> None:
     """A trolley that rides on another one has a position of its own: a sum of slides."""
     if link.sums:
         tendon = scene.add_tendon(name=link.joints[0])

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ..rig.chain import Link
+from ..rig.chain import Body
 from ..rig.rig import Platform, Rig, Vector
 from ..rig.swings import Swing
 from ..rig.turning_axes import turn_about
@@ -17,7 +17,7 @@ from ..types import Array
 AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
-def way(rig: Rig, body: Link, motion: Mapping[str, Array], like: Array) -> Array:
+def way(rig: Rig, body: Body, motion: Mapping[str, Array], like: Array) -> Array:
     """From the point that a load swings about to the load, in its frame's axes, (orders, N, 3).
 
     `motion` has the joints' motion, (orders, N), and `like` their leading shape.
@@ -31,7 +31,7 @@ def way(rig: Rig, body: Link, motion: Mapping[str, Array], like: Array) -> Array
 
 
 def swing_angles(
-    rig: Rig, body: Link, vector: Array, motion: Mapping[str, Array]
+    rig: Rig, body: Body, vector: Array, motion: Mapping[str, Array]
 ) -> dict[str, Array]:
     """Angles of a load's hinges, (orders, N) each, from its `way` (orders, N, 3).
 
@@ -54,21 +54,21 @@ def swing_angles(
     }
 
 
-def turned_out(rig: Rig, body: Link, vector: Array, motion: Mapping[str, Array]) -> Array:
+def turned_out(rig: Rig, body: Body, vector: Array, motion: Mapping[str, Array]) -> Array:
     """What a body's own axes have as this motion, (orders, N, 3), in the axes it turns against."""
     for name, axis in reversed(_turns(rig, body)):
         vector = turn_about(axis, vector, motion[name])
     return vector
 
 
-def _turned_in(rig: Rig, body: Link, vector: Array, motion: Mapping[str, Array]) -> Array:
+def _turned_in(rig: Rig, body: Body, vector: Array, motion: Mapping[str, Array]) -> Array:
     """The inverse of `turned_out`."""
     for name, axis in _turns(rig, body):
         vector = turn_about(axis, vector, -motion[name])
     return vector
 
 
-def _turns(rig: Rig, body: Link) -> list[tuple[str, Vector]]:
+def _turns(rig: Rig, body: Body) -> list[tuple[str, Vector]]:
     """Hinges by which a body turns against the one below it, unless it is a frame, with axes."""
     if isinstance(body.part, Platform):
         axes = AXES if rig.dimensions == 3 else AXES[1:2]
@@ -77,9 +77,9 @@ def _turns(rig: Rig, body: Link) -> list[tuple[str, Vector]]:
     return [] if swing is None else list(zip(swing.joints, swing.axes, strict=True))
 
 
-def _upwards(body: Link) -> Iterator[Link]:
+def _upwards(body: Body) -> Iterator[Body]:
     """A body and those that carry it."""
-    above: Link | None = body
+    above: Body | None = body
     while above is not None:
         yield above
         above = above.parent

@@ -17,7 +17,7 @@ from functools import lru_cache
 
 from ..errors import ModelError
 from .frames import carriers, inwards
-from .link import Link as RigLink
+from .link import Link
 from .rig import WORLD, Frame, Load, Platform, Rig, Trolley, Vector
 from .swings import Swing, Tie, swinging, swings, ties
 
@@ -26,11 +26,11 @@ Part = Frame | Mass
 
 
 @dataclass(frozen=True)
-class Link:
+class Body:
     """A body of the model with the joints that move it against its parent."""
 
     part: Part
-    parent: "Link | None"
+    parent: "Body | None"
     """The body that carries this one; None for the world."""
     frame: Frame | None
     """The frame in whose axes this body's joints are; None for the world."""
@@ -52,7 +52,7 @@ class Link:
 
 
 @lru_cache(maxsize=64)
-def links(rig: Rig) -> tuple[Link, ...]:
+def chain_of(rig: Rig) -> tuple[Body, ...]:
     """The bodies of a rig's model, each after its parent, in the order of MuJoCo's bodies.
 
     Raises
@@ -62,9 +62,9 @@ def links(rig: Rig) -> tuple[Link, ...]:
     """
     components = _components(rig)
     carried_by = [_carrier(rig, members) for members in components]
-    chain: list[Link] = []
+    chain: list[Body] = []
 
-    def hang(frame: Frame | None, above: Link | None) -> None:
+    def hang(frame: Frame | None, above: Body | None) -> None:
         """Add the masses below a frame, and with a frame those on it."""
         for members, carrier in zip(components, carried_by, strict=True):
             if carrier is frame:
@@ -73,7 +73,7 @@ def links(rig: Rig) -> tuple[Link, ...]:
             if frame is not None and other.parent == frame.name:
                 stand(other, above)
 
-    def stand(frame: Frame, below: Link | None) -> None:
+    def stand(frame: Frame, below: Body | None) -> None:
         chain.append(_frame_link(rig, frame, below))
         hang(frame, chain[-1])
 
@@ -85,20 +85,20 @@ def links(rig: Rig) -> tuple[Link, ...]:
         above = next((body for body in chain if body.name == swing.parent), None)
         zeros = (0.0,) * len(swing.joints)
         chain.append(
-            Link(swing.load, above, swing.frame, swing.pivot, swing.joints, zeros, swing=swing)
+            Body(swing.load, above, swing.frame, swing.pivot, swing.joints, zeros, swing=swing)
         )
     return tuple(chain)
 
 
-def stiff_links(rig: Rig) -> tuple[RigLink, ...]:
+def stiff_links(rig: Rig) -> tuple[Link, ...]:
     """The links on which nothing swings: they join bodies that other things move already."""
-    swung = [body.swing.link for body in links(rig) if body.swing is not None]
+    swung = [body.swing.link for body in chain_of(rig) if body.swing is not None]
     return tuple(link for link in rig.links if link not in swung)
 
 
 def joint_names(rig: Rig) -> tuple[str, ...]:
     """Names of the model's joints in the order of qpos and qvel."""
-    return tuple(name for link in links(rig) for name in link.joints)
+    return tuple(name for link in chain_of(rig) for name in link.joints)
 
 
 def _tied(rig: Rig, tie: Tie) -> set[str]:
@@ -164,20 +164,20 @@ def _spoken(tied: list[Tie]) -> str:
     return " and ".join(parts)
 
 
-def _frame_link(rig: Rig, frame: Frame, parent: Link | None) -> Link:
+def _frame_link(rig: Rig, frame: Frame, parent: Body | None) -> Body:
     value = rig.home_of(frame)
     shift = value if frame.kind == "sliding" else 0.0
     pairs = zip(frame.origin, frame.axis, strict=True)
     position = _vector(start + shift * part for start, part in pairs)
-    return Link(frame, parent, frame, position, (frame.coordinate,), (value,))
+    return Body(frame, parent, frame, position, (frame.coordinate,), (value,))
 
 
-def _chain(rig: Rig, members: list[Mass], above: Link | None) -> list[Link]:
+def _chain(rig: Rig, members: list[Mass], above: Body | None) -> list[Body]:
     """Trolleys, then free pulleys, then loads, then a platform, each on the one before."""
     loads = [mass for mass in members if isinstance(mass, Load)]
     platforms = [mass for mass in members if isinstance(mass, Platform)]
     _check_platforms(rig, platforms, above)
-    chain: list[Link] = []
+    chain: list[Body] = []
     for mass in members:
         if isinstance(mass, Trolley):
             chain.append(_trolley_link(rig, mass, chain[-1] if chain else above))
@@ -190,7 +190,7 @@ def _chain(rig: Rig, members: list[Mass], above: Link | None) -> list[Link]:
     return chain
 
 
-def _check_platforms(rig: Rig, platforms: list[Platform], above: Link | None) -> None:
+def _check_platforms(rig: Rig, platforms: list[Platform], above: Body | None) -> None:
     if len(platforms) > 1:
         names = " and ".join(platform.name for platform in platforms)
         raise ModelError(
@@ -206,7 +206,7 @@ def _check_platforms(rig: Rig, platforms: list[Platform], above: Link | None) ->
         )
 
 
-def _trolley_link(rig: Rig, trolley: Trolley, parent: Link | None) -> Link:
+def _trolley_link(rig: Rig, trolley: Trolley, parent: Body | None) -> Body:
     rail = rig.rail(trolley.rail)
     value = rig.home_of(trolley)
     sums: tuple[tuple[str, float], ...] = ()
@@ -225,10 +225,10 @@ def _trolley_link(rig: Rig, trolley: Trolley, parent: Link | None) -> Link:
         sums = (*((name, sign * factor) for name, factor in upper), (trolley.coordinate, 1.0))
     frame = rig.frame(rail.frame)
     position = _minus(_home_point(rig, trolley, frame), _origin(rig, parent))
-    return Link(trolley, parent, frame, position, (trolley.coordinate,), (value,), sums)
+    return Body(trolley, parent, frame, position, (trolley.coordinate,), (value,), sums)
 
 
-def _free_link(rig: Rig, mass: Load | Platform, parent: Link | None, frame: Frame | None) -> Link:
+def _free_link(rig: Rig, mass: Load | Platform, parent: Body | None, frame: Frame | None) -> Body:
     """Slides for a load; slides, then hinges for the angles of a platform."""
     position = _minus(_home_point(rig, mass, frame), _origin(rig, parent))
     joints = tuple(f"{mass.name}.{axis}" for axis in rig.axes)
@@ -236,10 +236,10 @@ def _free_link(rig: Rig, mass: Load | Platform, parent: Link | None, frame: Fram
     if isinstance(mass, Platform):
         angles = rig.angles_of(mass)
         joints, home = (*joints, *angles), (*home, *(0.0 for _ in angles))
-    return Link(mass, parent, frame, position, joints, home)
+    return Body(mass, parent, frame, position, joints, home)
 
 
-def _origin(rig: Rig, link: Link | None) -> Vector:
+def _origin(rig: Rig, link: Body | None) -> Vector:
     """Home position of a body in its frame's axes, from the frame's origin."""
     if link is None or isinstance(link.part, Frame):
         return (0.0, 0.0, 0.0)

@@ -12,7 +12,7 @@ from flatrig.feedforward import from_move, solve
 from flatrig.models import ModelError
 from flatrig.models.mjcf import rig_model, rig_state, simulate
 from flatrig.models.rig import lengths
-from flatrig.models.rig.chain import joint_names, links
+from flatrig.models.rig.chain import chain_of, joint_names
 from flatrig.models.rig.frames import tensor
 from flatrig.models.rig.rig import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Sheave, Trolley
 
@@ -198,7 +198,7 @@ def test_the_last_span_counts_once_for_each_fall():
 def test_a_platform_is_turned_about_x_then_y_then_z_of_its_own():
     """Quarter turns whose result is plain: body x goes to y by alpha and gamma together."""
     rig = RIGS["cable_manipulator"]
-    qpos = np.array([value for link in links(rig) for value in link.home])
+    qpos = np.array([value for link in chain_of(rig) for value in link.home])
     names = list(joint_names(rig))
     quarter = {"platform.alpha": np.pi / 2, "platform.gamma": np.pi / 2}
     for name, angle in quarter.items():

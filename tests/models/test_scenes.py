@@ -11,7 +11,7 @@ from flatrig import models
 from flatrig.models import Anchor, Drive, ModelError, OptionError, Platform, Rig, Rope
 from flatrig.models.looks import booms, render
 from flatrig.models.mjcf import rig_model, rig_state, simulate
-from flatrig.models.rig.chain import links
+from flatrig.models.rig.chain import chain_of
 
 CATALOGUE = tuple(models.CATALOGUE)
 
@@ -91,7 +91,7 @@ def corners_in_picture(model, camera, spots):
 @pytest.mark.parametrize("camera", ["overview", "side"])
 def test_cameras_see_the_whole_workspace(rig, camera):
     model = rig_model.compile(rig)
-    qpos = np.array([value for link in links(rig) for value in link.home])
+    qpos = np.array([value for link in chain_of(rig) for value in link.home])
     spots = [point[0] for point in rig_state.points(rig, qpos, np.zeros_like(qpos)).values()]
     if rig.name in CATALOGUE:
         move = models.default_move(rig.name)

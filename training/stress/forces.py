@@ -18,7 +18,7 @@ from ...feedforward import Motion
 from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.joint_motion import joint_motion
 from ...models.mjcf.rig_state import points
-from ...models.rig.chain import links
+from ...models.rig.chain import chain_of
 from ...models.rig.lengths import rope_lengths, spans
 from ...models.rig.rig import Frame, Platform, Rig, Rope, Trolley
 from ...models.types import Array
@@ -109,7 +109,7 @@ class Seen:
     def _levers(self) -> Array:
         """How long a lever forces have on each joint, 1 if it slides, (nv,)."""
         levers = []
-        for link in links(self.rig):
+        for link in chain_of(self.rig):
             for name in link.joints:
                 lever = 1.0
                 if isinstance(link.part, Platform) and name in self.rig.angles_of(link.part):
