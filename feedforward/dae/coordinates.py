@@ -212,11 +212,17 @@ def coordinates_of(problem: Problem, kind: Kind) -> Coordinates:
     remaining = () if kind == "minimal" else _with_outputs(problem, by_angles)
     eliminated = tuple(k for k in constraints if k not in by_angles and k not in remaining)
     follows = {k: c.coordinate for k, c in enumerate(e.roles) if c.coordinate is not None}
+    for k in eliminated:
+        if k not in follows:
+            raise RigError(
+                f"rig {rig.name} has no {kind} coordinates: of no coordinate constraint "
+                f"{e.constraint_names[k]} says that it follows from the others"
+            )
     implicit = tuple(follows[k] for k in eliminated)
     hidden = {e.names[i] for i in implicit}
     spans = (e.names[follows[k]] for k in e.with_role("span"))
     candidates = dict.fromkeys((*rig.coordinate_names, *spans))
-    names = tuple(name for name in candidates if name not in hidden)
+    names = tuple(name for name in candidates if name not in hidden and name not in rig.held)
     matrix = _outputs(rig, names, kind)
     if len(remaining) > len(matrix):
         raise RigError(

@@ -6,6 +6,7 @@ trolley and the rope do then says what the drives give.  Six derivatives of the 
 """
 
 import numpy as np
+import pytest
 from numpy.polynomial import Polynomial
 from numpy.testing import assert_allclose
 
@@ -106,3 +107,14 @@ def test_programs_in_c_say_the_same(tmp_path):
         step = stepper.step(path.derivatives([time], 6)[:, 0], 0.25)
         assert_allclose(step.inputs, motion.inputs[i], rtol=1e-10, atol=1e-7)
         assert_allclose(step.tensions, motion.tensions[i], rtol=1e-11)
+
+
+def test_time_stepping_comes_to_the_same_and_says_where_it_cannot():
+    path = feedforward.rest_to_rest(BEGIN, END, DURATION, order=8)
+    run = feedforward.integrate(
+        crane(), path, step=0.1, formulation="minimal extension, three times"
+    )
+    exact = feedforward.solve(crane(), path, run.motion.times)
+    assert_allclose(run.motion.inputs, exact.inputs, rtol=1e-9, atol=1e-6)
+    with pytest.raises(models.RigError, match="no minimal coordinates: of no coordinate"):
+        feedforward.integrate(crane(), path, step=0.1, formulation="projection, minimal")
