@@ -96,10 +96,14 @@ class Builder:
         return self._formed[key][0]
 
     def direction(self, value: Value) -> Value:
-        """The sign of a value, see `exact.losses`."""
+        """The sign of a speed, see `models.friction`."""
         if isinstance(value, str):
             return self.call("direction", value)
         return float(direction(np.asarray(value)))
+
+    def sign(self, value: Value) -> Value:
+        """The sign of a value."""
+        return self.call("sign", value) if isinstance(value, str) else float(np.sign(value))
 
     def _put(self, operation: Sum | Call, name: str) -> None:
         if self._before is None:

@@ -3,7 +3,6 @@
 import textwrap
 from collections.abc import Iterable, Iterator
 
-from ...models.friction import REST
 from ..exact.linear import WEAK
 from ..exact.nonlinear import NEWTON_ITERATIONS, NEWTON_TOLERANCE
 from ..exact.taylor import SINGULAR
@@ -21,7 +20,7 @@ from .program import (
     Sum,
     Value,
 )
-from .words import number, text_of
+from .words import number, rest_of, text_of
 
 WIDTH = 100
 """Columns of a line."""
@@ -56,8 +55,8 @@ class Operations:
         text = f"{operation.function}({arguments})"
         if operation.function == "inverse":
             text = f"1.0/{arguments}"
-        elif operation.function == "direction":
-            rest = number(REST)
+        elif operation.function in ("sign", "direction"):
+            rest = rest_of(operation.function)
             text = f"(double)(({arguments} > {rest}) - ({arguments} < -{rest}))"
         yield self._let(operation.name, text)
 

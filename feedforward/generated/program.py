@@ -16,7 +16,7 @@ converges slowly where its determinant vanishes."""
 Value = str | float
 """The name of a number that an operation gives, or a number that is known beforehand."""
 
-Function = Literal["sin", "cos", "sqrt", "atan2", "inverse", "direction"]
+Function = Literal["sin", "cos", "sqrt", "atan2", "inverse", "sign", "direction"]
 
 
 class Term(NamedTuple):
@@ -36,7 +36,7 @@ class Sum(NamedTuple):
 
 class Call(NamedTuple):
     """name = function(arguments); "inverse" is one over its argument, and "direction" its
-    sign, which is zero near zero, see `exact.losses`.
+    sign, which is zero near zero, see `models.friction`.
     """
 
     name: str

@@ -4,7 +4,6 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import Literal
 
-from ...models.friction import REST
 from ..exact.linear import WEAK
 from ..exact.nonlinear import NEWTON_ITERATIONS, NEWTON_TOLERANCE, STALLED
 from ..exact.taylor import SINGULAR
@@ -22,7 +21,7 @@ from .program import (
     Sum,
     Value,
 )
-from .words import number, text_of
+from .words import number, rest_of, text_of
 
 Dialect = Literal["scalar", "stepping", "numpy"]
 
@@ -154,8 +153,8 @@ class _Printer:
     def _call(self, operation: Call) -> Iterator[str]:
         if operation.function == "inverse":
             yield f"{operation.name} = 1.0/{operation.arguments[0]}"
-        elif operation.function == "direction":
-            value, rest = operation.arguments[0], number(REST)
+        elif operation.function in ("sign", "direction"):
+            value, rest = operation.arguments[0], rest_of(operation.function)
             yield f"{operation.name} = ({value} > {rest})*1.0 - ({value} < -{rest})*1.0"
         else:
             yield f"{operation.name} = {operation.function}({', '.join(operation.arguments)})"

@@ -91,7 +91,7 @@ class Results:
             total = builder.total((1.0, value), (dry, way), (viscous, speed))
             if lost != 1.0:
                 # efficiency^-s of s = -1, 0 or 1 as a parabola.
-                s = builder.product(builder.direction(total), way)
+                s = builder.product(builder.sign(total), way)
                 odd, even = 0.5 * (1.0 / lost - lost), 0.5 * (1.0 / lost + lost) - 1.0
                 share = builder.total((1.0, 1.0), (odd, s), (even, builder.product(s, s)))
                 total = builder.product(total, share)

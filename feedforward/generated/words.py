@@ -1,11 +1,17 @@
 """Numbers, sums and names as text that Python and C read alike."""
 
-from .program import Sum, Value
+from ...models.friction import REST
+from .program import Function, Sum, Value
 
 
 def number(value: float) -> str:
     """A number with all its digits."""
     return repr(float(value))
+
+
+def rest_of(function: Function) -> str:
+    """Magnitude up to which a sign is zero."""
+    return number(REST if function == "direction" else 0.0)
 
 
 def text_of(value: Value | Sum) -> str:

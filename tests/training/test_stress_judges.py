@@ -12,6 +12,7 @@ from flatrig.feedforward.generated import results
 from flatrig.feedforward.paths import reference as paths
 from flatrig.feedforward.planning import feasibility
 from flatrig.feedforward.solving import inverse, programs
+from flatrig.models.friction import Friction
 from flatrig.models.rig.parts import Rope
 from flatrig.training.simulate.open_loop import open_loop
 from flatrig.training.stress import rates
@@ -23,7 +24,7 @@ from flatrig.training.stress.random_parts import Dice
 from flatrig.training.stress.random_rigs import KINDS, pulley_crane, random_rig
 from flatrig.training.stress.wild_moves import random_move
 
-MOST = 16
+MOST = 24
 """Random rigs of the kind that has it in which a planted fault has to show."""
 
 
@@ -77,6 +78,8 @@ FAULTS = {
     ],
     "rail ends": [(room, "stay_on_rails", none_said) for room in (inverse, branch, between)],
     "rail ends in check": [(feasibility, "_off_rails", lambda motion: [])],
+    "friction": [(results, "losses_of", none_said)],
+    "products of inertia": [(assembly._Builder, "add_coupling", none_said)],
     "refusals": [(taylor, "SINGULAR", 0.9)],
 }
 
@@ -85,6 +88,8 @@ HAS = {
     "where a sheave turns": lambda rig: any(rope.sheaves for rope in rig.ropes),
     "rail ends": lambda rig: any(np.isfinite(rail.end) for rail in rig.rails),
     "rail ends in check": lambda rig: any(np.isfinite(rail.end) for rail in rig.rails),
+    "friction": lambda rig: any(rig.driven(d).friction != Friction() for d in rig.drives),
+    "products of inertia": lambda rig: any(len(part.inertia) == 6 for part in rig.platforms),
     "refusals": lambda rig: rig.name == "rope_robot",
 }
 """What a rig must have for a fault to show; else any will do."""

@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from ...feedforward import Reference
 from ...models import Rig
+from ...models.rig.rope_ends import rope_ends
 from ...models.types import Array
 
 FINE = 2001
@@ -24,7 +25,7 @@ FINE = 2001
 NEAR = 1e-3
 """What is left open: this share of gravity, of the path's size, and of the largest determinant."""
 
-ORDERS = {"rope_robot": 2, "six_rope_platform": 2, "tandem_crane": 2}
+ORDERS = {"rope_robot": 2, "six_rope_platform": 2, "tandem_crane": 2, "redundant_robot": 2}
 """Continuous derivatives for rigs whose outputs are all their coordinates."""
 
 
@@ -44,6 +45,8 @@ def order_needed(rig: Rig) -> int:
 
 def can_follow(rig: Rig, reference: Reference) -> bool:
     """Whether a path certainly can be followed from its start on, on the branch of the home."""
+    if any(load.drag for load in rig.loads) or rope_ends(rig):  # which no closed form knows
+        return False
     judge = JUDGES.get(rig.name)
     return judge is not None and judge(rig, reference)
 

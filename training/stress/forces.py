@@ -20,9 +20,10 @@ from ...models.mjcf.joint_motion import joint_motion
 from ...models.mjcf.rig_state import points
 from ...models.rig.chain import chain_of
 from ...models.rig.lengths import rope_lengths, spans
-from ...models.rig.rig import Frame, Platform, Rig, Rope, Trolley
+from ...models.rig.rig import Frame, Load, Platform, Rig, Trolley
 from ...models.types import Array
 from .frame_motion import Moving, carried, moving_frames, taken
+from .given_forces import added_by_sheave, given, rubbed, smooth_twin
 
 UNLOADED = 1e-6
 """Share of the largest tension below which a rope that pushes counts as unloaded."""
@@ -88,21 +89,21 @@ class Seen:
         ModelError
             MuJoCo cannot hold the rig.
         """
-        few = few_of(self.motion)
-        if np.abs(self.motion.inputs[few]).max() >= mujoco.mjMAXVAL:
+        few, twin = few_of(self.motion), smooth_twin(self.motion)
+        if np.abs(twin.inputs[few]).max() >= mujoco.mjMAXVAL:
             return 0.0
-        model = model_of(self.rig)
+        model = model_of(twin.rig)
         data = mujoco.MjData(model)
         mass = np.zeros((model.nv, model.nv))
         missing, sizes = [], []
         for i in few:
             data.qpos[:], data.qvel[:] = self.joints[0, i], self.joints[1, i]
-            data.ctrl[:] = self.motion.inputs[i]
+            data.ctrl[:] = twin.inputs[i]
             mujoco.mj_forward(model, data)
             mujoco.mj_fullM(model, data, mass)
             missing.append(mass @ (data.qacc - self.joints[2, i]))
             sizes.append(np.abs(mass) @ np.abs(self.joints[2, i]) + np.abs(data.qfrc_bias))
-        pull = np.abs(self.motion.inputs[few]) @ np.abs(model.actuator_gear[:, 0])
+        pull = np.abs(twin.inputs[few]) @ np.abs(model.actuator_gear[:, 0])
         size = np.array(sizes) + np.multiply.outer(pull, self._levers())
         return _largest(np.array(missing), size)
 
@@ -122,7 +123,7 @@ class Seen:
 
     @cached_property
     def tensions(self) -> Array:
-        """Of the ropes at their winches from their own equations, T = (J/r^2) w'' - u/r."""
+        """Of the ropes at their winches from their own equations, T = (J/r^2) w'' - u/r + F."""
         return np.stack([a + b for a, b in self._pulls], axis=1)
 
     @property
@@ -132,12 +133,17 @@ class Seen:
         torques = {drive.on: column for column, drive in enumerate(rig.drives)}
         pulls = []
         for rope in rig.ropes:
-            pull = np.zeros(len(self.motion.times))
             if rope.name in torques:
-                column = torques[rope.name]
-                pull = -self.motion.inputs[:, column] / rig.arm(rig.drives[column])
+                pull = -self._given[:, torques[rope.name]]
+            else:
+                pull = rubbed(rope.friction, lengths[rope.name][1])
             pulls.append((rope.winch_inertia / rope.drum_radius**2 * lengths[rope.name][2], pull))
         return pulls
+
+    @cached_property
+    def _given(self) -> Array:
+        """What drives give along their coordinates, (N, drives)."""
+        return given(self.motion)
 
     def winches(self) -> float:
         """By how much tensions miss their winches' equations, over the forces in these."""
@@ -161,6 +167,8 @@ class Seen:
             missing = missing - part.mass * (second + np.array((0.0, 0.0, self.rig.gravity)))
             size = sum((sizes.get(name, still[1]) for name in own), still[1])
             size = size + part.mass * (np.linalg.norm(second, axis=1) + self.rig.gravity)
+            if isinstance(part, Load) and part.drag:
+                missing = missing - part.drag * self.world[part.name][1]
             if isinstance(part, Trolley):
                 pushed[part.name] = missing, size
                 missing, size = self._along(part, missing, size)
@@ -208,9 +216,10 @@ class Seen:
         """A force that a part misses, and the forces' size, with what its drive gives."""
         for column, drive in enumerate(self.rig.drives):
             if drive.on == part:
-                missing = missing + self.motion.inputs[:, column]
-                size = size + np.abs(self.motion.inputs[:, column])
-        return missing, size
+                missing = missing + self._given[:, column]
+                return missing, size + np.abs(self._given[:, column])
+        (own,) = (other for other in self.rig.drivable if other.name == part)
+        return missing - rubbed(own.friction, self.coordinates[own.coordinate][1]), size
 
     def _along(self, trolley: Trolley, missing: Array, size: Array) -> tuple[Array, Array]:
         """The part of a force that the rail does not carry, and the drive."""
@@ -227,7 +236,7 @@ class Seen:
         for column, rope in enumerate(self.rig.ropes):
             tension = self.motion.tensions[:, column]
             for k in range(len(rope.path) - 1):
-                tension = tension + _sheave(rope, k, lengths[rope.name][2])
+                tension = tension + added_by_sheave(rope, k, lengths[rope.name][2])
                 before, after = rope.path[k], rope.path[k + 1]
                 pull = tension * (rope.falls if k == len(rope.path) - 2 else 1)
                 step = self.world[after][0] - self.world[before][0]
@@ -273,18 +282,6 @@ class Seen:
 
 def _orders(motion: Motion) -> tuple[Array, Array, Array]:
     return motion.positions, motion.velocities, motion.accelerations
-
-
-def _sheave(rope: Rope, k: int, accelerations: Array) -> Array:
-    """What the sheave before span k adds to the tension: its inertia times the rope's acceleration.
-
-    Accelerations of the lengths of the spans are (N, spans).
-    """
-    beyond = accelerations[:, k:-1].sum(axis=1) + rope.falls * accelerations[:, -1]
-    shares = [
-        s.inertia / s.radius**2 for s in rope.sheaves if k and rope.path[1:].index(s.at) + 1 == k
-    ]
-    return np.asarray(sum(shares) * beyond)
 
 
 def _largest(error: Array, size: Array) -> float:

@@ -10,12 +10,15 @@ What is refused is judged, too.  It is wrong to refuse
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
 from ...feedforward import Motion, Reference, check, from_move, solve
+from ...feedforward.planning.uncertainty import endless
 from ...models import FlatrigError, PathError, Rig, RigError, SmoothnessError
+from ...models.rig.rig import Rope
+from ...models.rig.rope_ends import rope_ends
+from ...models.types import Array
 from .case import EITHER, Case, Finding, case, worst
 from .closed_forms import NEAR, can_follow, order_needed
 from .homes import at_start
@@ -92,12 +95,12 @@ def _refused_wrongly(rig: Rig, reference: Reference, reason: str) -> str:
     """
     if can_follow(rig, reference):
         return "refused what a closed form follows"
-    endless = _endless(rig)
-    if endless != rig:
+    unbounded = endless(rig)
+    if unbounded != rig:
         try:
-            motion = _solved(endless, reference, FINE)
+            motion = _solved(unbounded, reference, FINE)
         except PathError:
-            rig = endless
+            rig = unbounded
         else:
             return _ends(rig, reference, motion)
     other = at_start(rig, reference)
@@ -110,30 +113,52 @@ def _refused_wrongly(rig: Rig, reference: Reference, reason: str) -> str:
     return ""
 
 
-def _endless(rig: Rig) -> Rig:
-    rails = tuple(replace(rail, start=-math.inf, end=math.inf) for rail in rig.rails)
-    return replace(rig, rails=rails)
-
-
 def _ends(rig: Rig, reference: Reference, motion: Motion) -> str:
     """What speaks against a refusal that endless rails take back."""
     size = np.abs(motion.positions).max()
     off = [name for name, beyond in _beyond(rig, motion).items() if beyond > -NEAR * size]
     if not off:
-        return "refused for the end of a rail that is not reached"
+        return "refused for the end of a rail or rope that is not reached"
     told = check(rig, reference, SAMPLES / reference.duration).problems
-    if not any(problem.startswith(f"{name} would be at") for name in off for problem in told):
-        return f"{off[0]} passes the end of its rail, of which check says nothing"
+    if not any(problem.startswith(f"{name} would be") for name in off for problem in told):
+        return f"{off[0]} passes its end, of which check says nothing"
     return ""
 
 
 def _beyond(rig: Rig, motion: Motion) -> dict[str, float]:
-    """How far each trolley gets past the ends of its rail [m]."""
+    """How far each trolley gets past the ends of its rail, and each rope past its own [m]."""
     found = {}
     for trolley in rig.trolleys:
         rail, place = rig.rail(trolley.rail), motion.positions[:, motion.column(trolley.coordinate)]
         found[trolley.name] = max(rail.start - float(place.min()), float(place.max()) - rail.end)
+    for end in rope_ends(rig):
+        length = sum(a * motion.positions[:, motion.column(name)] for a, name in end.terms)
+        found[end.what] = max(end.low - float(np.min(length)), float(np.max(length)) - end.high)
     return found
+
+
+def _weak(motion: Motion) -> bool:
+    """Whether the motion passes a limit of some drive, by hand."""
+    for i, drive in enumerate(motion.rig.drives):
+        part = motion.rig.driven(drive)
+        turns = drive.gear / (part.drum_radius if isinstance(part, Rope) else 1.0)
+        inputs, speeds = motion.inputs[:, i], turns * motion.drive_velocities[:, i]
+        most = np.abs(speeds).max(), np.abs(inputs * speeds).max()
+        faster = turns * np.abs(motion.accelerations[:, motion.driven[i]]).max()
+        beyond = (inputs < drive.lowest) | (inputs > drive.limit)
+        if beyond.any() or most[0] > drive.speed or most[1] > drive.power:
+            return True
+        if faster > drive.acceleration:
+            return True
+    return False
+
+
+def _closest(motion: Motion) -> Array:
+    """Of each drive the input that takes most of its limit on its own side, (drives,)."""
+    rig = motion.rig
+    high, low = (np.array([getattr(d, side) for d in rig.drives]) for side in ("limit", "lowest"))
+    used = np.maximum(motion.inputs / high, motion.inputs / low)
+    return np.abs(motion.inputs[used.argmax(axis=0), range(len(rig.drives))])
 
 
 def _checked(rig: Rig, reference: Reference, motion: Motion) -> Finding:
@@ -155,9 +180,7 @@ def _checked(rig: Rig, reference: Reference, motion: Motion) -> Finding:
     ):
         return _wrong(f"ropes {pushing} have to push, check says {told}")
     largest = [part.largest for part in report.sizing]
-    error = np.abs(np.abs(motion.inputs).max(axis=0) - largest).max() / max(largest)
-    low, high = ([getattr(d, side) for d in rig.drives] for side in ("lowest", "limit"))
-    weak = bool(((motion.inputs < low) | (motion.inputs > high)).any())
-    if report.feasible != (not (told or weak or off)):
+    error = np.abs(_closest(motion) - largest).max() / max(largest)
+    if report.feasible != (not (told or _weak(motion) or off)):
         return _wrong(f"check says feasible: {report.feasible}, {'; '.join(report.problems)}")
     return Finding(float(error), SURE, "sizing")

@@ -15,15 +15,17 @@ import numpy as np
 
 from ...models import WORLD, Anchor, Combination, Frame, Load, Platform, Rail, Rig, Trolley
 from .random_frames import boom_crane
+from .random_limits import limited
 from .random_links import held_crane, hook_crane, pushed_crane
 from .random_parts import Dice, drives, frame
+from .random_ropes import redundant_robot, rope_robot
 
 
 def random_rig(rng: np.random.Generator) -> Rig:
     """A rig of one of the kinds in `KINDS`."""
     dice = Dice(rng, float(10.0 ** rng.uniform(-2, 2)))
     kind = KINDS[int(rng.integers(len(KINDS)))]
-    return kind(dice)
+    return limited(kind(dice), dice)
 
 
 def trolley_crane(dice: Dice) -> Rig:
@@ -166,30 +168,6 @@ def pulley_crane(dice: Dice) -> Rig:
     )
 
 
-def rope_robot(dice: Dice) -> Rig:
-    """A load between three fixed winches, or two in a plane."""
-    count = 2 if dice.maybe() else 3
-    anchors = []
-    for k in range(count):
-        angle = 2 * math.pi * k / count + dice.rng.uniform(-0.3, 0.3) * (count == 3)
-        y = 0.0 if count == 2 else dice.size * math.sin(angle)
-        anchors.append(Anchor(f"mast_{k}", (dice.size * math.cos(angle), y, dice.length(0.0, 0.4))))
-    names = [f"rope_{k}" for k in range(count)]
-    return Rig(
-        name="rope_robot",
-        dimensions=3 if count == 3 else 2,
-        anchors=tuple(anchors),
-        masses=(Load("load", dice.mass()),),
-        ropes=tuple(
-            dice.rope(name, anchor.name, "load")
-            for name, anchor in zip(names, anchors, strict=True)
-        ),
-        drives=drives(*names),
-        outputs=("load.x", "load.y", "load.z") if count == 3 else ("load.x", "load.z"),
-        home={"load": (dice.length(-0.2, 0.2), 0.0, -dice.length(0.2, 2.0))},
-    )
-
-
 def tandem_crane(dice: Dice) -> Rig:
     """Two trolleys on one line that hold a load between them."""
     left, right, down = -dice.length(0.2, 1.0), dice.length(0.2, 1.0), dice.length(0.3, 2.0)
@@ -296,5 +274,6 @@ KINDS: tuple[Callable[[Dice], Rig], ...] = (
     pushed_crane,
     held_crane,
     boom_crane,
+    redundant_robot,
 )
 """Functions that draw a rig, one for each kind."""

@@ -25,6 +25,7 @@ from ...models.rig.frames import about_axis
 from ...models.rig.lengths import rope_lengths
 from ...models.types import Array
 from .forces import Seen, few_of, model_of
+from .given_forces import smooth_twin
 
 FINER, DEPTH = 32, 5
 """A step in which a jump is suspected is divided so often, up to so many times over."""
@@ -66,7 +67,8 @@ def from_mujoco(motion: Motion) -> float:
     ModelError
         MuJoCo cannot hold the rig.
     """
-    rig, few = motion.rig, few_of(motion)
+    motion, few = smooth_twin(motion), few_of(motion)
+    rig = motion.rig
     if np.abs(motion.inputs[few]).max() >= mujoco.mjMAXVAL:
         return 0.0
     model = model_of(rig)

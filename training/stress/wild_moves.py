@@ -12,6 +12,7 @@ import numpy as np
 from ...feedforward.exact.problem import problem_of
 from ...feedforward.streaming.symmetric import free_outputs
 from ...models import Move, Rig
+from ...models.rig.open_tensions import TENSION
 
 WILD = 1 / 3
 """Share of the moves that are wild."""
@@ -23,6 +24,7 @@ TURNING = 0.5
 def random_move(rig: Rig, rng: np.random.Generator) -> Move:
     """A move of the rig's outputs from and to somewhere about home."""
     at_home = rig.home_coordinates
+    at_home |= {name + TENSION: rig.weight for name in rig.tension_names}
     home = np.array([sum(a * at_home[name] for a, name in rig.terms(o)) for o in rig.outputs])
     spans = [
         math.dist(rig.home_point(a), rig.home_point(b))
@@ -32,7 +34,9 @@ def random_move(rig: Rig, rng: np.random.Generator) -> Move:
     spans += [rig.link_length(link) for link in rig.links]
     size = float(np.median(spans))
     angles = rig.platform_angles
-    reach = np.array([0.4 if name in rig.angles else 0.5 * min(spans) for name in rig.outputs])
+    reaches = dict.fromkeys(rig.angles, 0.4)
+    reaches |= {name + TENSION: 0.5 * rig.weight for name in rig.tension_names}
+    reach = np.array([reaches.get(name, 0.5 * min(spans)) for name in rig.outputs])
     swing = 2.0 * math.pi * math.sqrt(size / rig.gravity)
     order = int(rng.integers(4, 9))
     duration = swing * 10.0 ** rng.uniform(0.0, 2.0)

@@ -1,0 +1,80 @@
+"""What drives give to what they drive, by hand: gears, their losses, and friction.
+
+given(motion)               # force or torque along each driven coordinate, (N, drives)
+smooth_twin(motion)         # the same motion of a rig that has no dry friction and loses nothing
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...feedforward import Motion
+from ...models.friction import REST, Friction
+from ...models.rig.rig import Drive, Rig, Rope
+from ...models.types import Array
+
+
+def rubbed(friction: Friction, rates: Array) -> Array:
+    """Force that friction takes at some rates (N,)."""
+    moving = np.where(np.abs(rates) > REST, np.sign(rates), 0.0)
+    return friction.coulomb * moving + friction.viscous * rates
+
+
+def given(motion: Motion) -> Array:
+    """Force [N] or torque [N m] that moves each driven coordinate, (N, drives)."""
+    rig, columns = motion.rig, []
+    for i, drive in enumerate(rig.drives):
+        rates, inputs = motion.drive_velocities[:, i], motion.inputs[:, i]
+        way = np.where(np.abs(rates) > REST, np.sign(rates), 0.0) * np.sign(inputs)
+        kept = np.where(way > 0, drive.efficiency, np.where(way < 0, 1.0 / drive.efficiency, 1.0))
+        radius = _radius(rig, drive)
+        force = inputs * kept * drive.gear / radius
+        columns.append(force - rubbed(rig.driven(drive).friction, rates))
+    return np.stack(columns, axis=1)
+
+
+def smooth_twin(motion: Motion) -> Motion:
+    """The same motion of the rig without dry friction and with gears that lose nothing.
+
+    That is what MuJoCo's model has to the last digit: its own dry friction is a soft constraint.
+    """
+    rig = motion.rig
+
+    def smooth(friction: Friction) -> Friction:
+        return Friction(viscous=friction.viscous)
+
+    drives = tuple(replace(drive, efficiency=1.0) for drive in rig.drives)
+    twin = replace(
+        rig,
+        frames=tuple(replace(part, friction=smooth(part.friction)) for part in rig.frames),
+        masses=(
+            *(replace(part, friction=smooth(part.friction)) for part in rig.trolleys),
+            *rig.hanging,
+        ),
+        ropes=tuple(replace(part, friction=smooth(part.friction)) for part in rig.ropes),
+        drives=drives,
+    )
+    if twin == rig:
+        return motion
+    forces, columns = given(motion), []
+    for i, drive in enumerate(drives):
+        viscous = rig.driven(drive).friction.viscous * motion.drive_velocities[:, i]
+        columns.append((forces[:, i] + viscous) * _radius(rig, drive) / drive.gear)
+    return replace(motion, rig=twin, inputs=np.stack(columns, axis=1))
+
+
+def _radius(rig: Rig, drive: Drive) -> float:
+    part = rig.driven(drive)
+    return part.drum_radius if isinstance(part, Rope) else 1.0
+
+
+def added_by_sheave(rope: Rope, k: int, accelerations: Array) -> Array:
+    """What the sheave before span k adds to the tension: its inertia times the rope's acceleration.
+
+    Accelerations of the lengths of the spans are (N, spans).
+    """
+    beyond = accelerations[:, k:-1].sum(axis=1) + rope.falls * accelerations[:, -1]
+    shares = [
+        s.inertia / s.radius**2 for s in rope.sheaves if k and rope.path[1:].index(s.at) + 1 == k
+    ]
+    return np.asarray(sum(shares) * beyond)
