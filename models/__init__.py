@@ -30,7 +30,7 @@ from .rig.cable_robots import cable_robot
 from .rig.catalogue import CATALOGUE, default_move, full_name, make, printed_move
 from .rig.fingerprint import fingerprint
 from .rig.manipulators import cable_manipulator
-from .rig.move import Move
+from .rig.move import Move, Wave
 from .rig.navy_cranes import navy_crane_2d, navy_crane_3d
 from .rig.payload import two_masses
 from .rig.rig import (
@@ -99,6 +99,7 @@ __all__ = [
     "SmoothnessError",
     "Tip",
     "Trolley",
+    "Wave",
     "ball_between_oblique_plates",
     "ball_between_plates",
     "ball_in_corner",

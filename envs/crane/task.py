@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ... import models
 from ...models.errors import OptionError
+from ...models.rig.given import refuse_given
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import Ids, none_of
@@ -98,6 +99,7 @@ class CraneTask(Task[CranePlan, Scenario]):
         nthread: int | None = None,
     ) -> None:
         self.rig, move = rig_and_move(rig)
+        refuse_given(self.rig.name, self.rig.frames, "environments stand on bases at rest")
         self.massless = massless
         substeps = self._prepare(num, sensors, rate, timestep, hold, nthread)
         self.disturbances = Disturbances.of(disturbances, self.rig)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...models.errors import OptionError, did_you_mean
+from ...models.rig.given import refuse_given
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ...models.values import as_number
@@ -101,6 +102,7 @@ def _check(
 ) -> None:
     """Refuse what `integrate` refuses of its options."""
     accept_columns(rig, reference)
+    refuse_given(rig.name, rig.frames, "no formulation steps through that; `solve` is exact")
     least = reference.duration / MOST_STEPS
     if not least <= as_number(step) < math.inf:
         raise OptionError(f"step is {step!r} s, it must be a number >= {least:g} s")

@@ -10,6 +10,7 @@ from ...models.rig.rig import WORLD, Frame, Link, Load, Platform, Rig, Rope, Tro
 from ...models.types import Array
 from .equations import Constraint, Equations, Orientation
 from .frame_rows import Frames, swung
+from .given_frames import give
 from .losses import damping
 
 MORE = 6
@@ -18,7 +19,7 @@ MORE = 6
 
 def assemble(rig: Rig) -> Equations:
     """The equations of motion of a rig."""
-    return _Builder(rig).build()
+    return give(_Builder(rig).build())
 
 
 class _Builder:

@@ -18,7 +18,9 @@ from ...models.errors import PathError
 from ...models.types import Array
 from ..paths.consistency import accept_rest, verify_reference
 from ..paths.reference import Reference, taylor_of
+from ..paths.waves import still
 from ..series.products import factorials
+from .at_sea import accept_waves, set_moving
 from .between import look_between
 from .equations import Equations
 from .held_freedoms import stay_held
@@ -134,15 +136,20 @@ def branch_of(
         As `feedforward.solve`.
     """
     accept(problem, reference)
+    accept_waves(problem.rig, reference)
     if verify:
-        verify_reference(reference, problem.rig.outputs, problem.order, moving=begin is not None)
+        verify_reference(
+            still(reference), problem.rig.outputs, problem.order, moving=begin is not None
+        )
     if begin is not None:
         accept_join(problem, begin, reference)
         outset = Outset(begin.unknowns[:, None], begin.signs, begin.angles, False)
     else:
         if verify:
-            accept_rest(reference, problem.rig.outputs, problem.order)
+            accept_rest(still(reference), problem.rig.outputs, problem.order)
         outset = _outset(problem, reference)
+        moving = set_moving(problem, reference, outset.start, outset.signs)
+        outset = outset._replace(start=moving)
     equations = problem.equations
     times, solution = _follow(problem, reference, outset)
     path = solution.values

@@ -77,8 +77,10 @@ class Use:
 
 
 def driven_unit(rig: Rig, drive: Drive) -> str:
-    """Unit of an input: a force on what slides, a torque on what turns."""
+    """Unit of an input: of a force, a torque, or the acceleration of what is given."""
     part = rig.driven(drive)
+    if isinstance(part, Frame) and part.given:
+        return "rad/s2" if part.kind == "turning" else "m/s2"
     turns = isinstance(part, Rope) or (isinstance(part, Frame) and part.kind == "turning")
     return "N m" if turns else "N"
 
@@ -102,7 +104,7 @@ def uses(
     found = []
     for i, drive in enumerate(rig.drives):
         unit, arm = driven_unit(rig, drive), rig.arm(drive)
-        way = "rad" if unit == "N m" else "m"
+        way = "rad" if unit in ("N m", "rad/s2") else "m"
         quantities: tuple[tuple[Quantity, Array, str], ...] = (
             ("input", inputs[i], unit),
             ("speed", speeds[i] / arm, f"{way}/s"),

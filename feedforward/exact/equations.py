@@ -101,6 +101,8 @@ class Equations:
     """For each link the index of its constraint."""
     points: Mapping[str, Array]
     """For each anchor and mass the rows giving its world position from (q, 1), (3, n + 1)."""
+    pushed: Array | None = None
+    """1 where a constraint's force moves a coordinate, 0 where that is given, shape (m, n)."""
 
     @cached_property
     def constraint_names(self) -> tuple[str, ...]:
@@ -132,6 +134,11 @@ class Equations:
         """Gradients of Phi at states (..., n): shape (..., m, n)."""
         gradients = np.einsum("kij,...j->...ki", self.constraints, _with_one(state))
         return np.asarray(gradients)[..., :-1]
+
+    def constraint_forces(self, state: Array) -> Array:
+        """Forces of unit multipliers at states (..., n): shape (..., m, n)."""
+        gradients = self.constraint_jacobian(state)
+        return gradients if self.pushed is None else gradients * self.pushed
 
     def constraint_curvature(self, rate: Array) -> Array:
         """q'^T (d2 Phi / dq2) q' at rates (..., n): shape (..., m)."""
@@ -167,7 +174,7 @@ class Equations:
         jacobian = self.constraint_jacobian(state)
         matrix = np.zeros((len(state), n + m, n + m))
         matrix[:, :n, :n] = self.mass
-        matrix[:, :n, n:] = np.swapaxes(jacobian, 1, 2)
+        matrix[:, :n, n:] = np.swapaxes(self.constraint_forces(state), 1, 2)
         matrix[:, n:, :n] = jacobian
         arms, losses = self.input_matrix(state), losses_of(self.rig)
         if losses is not None:

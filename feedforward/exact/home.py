@@ -89,7 +89,7 @@ def _home(equations: Equations) -> tuple[dict[str, Array], Array]:
     values = {name: np.array(value) for name, value in rig.home_coordinates.items()}
     state, _ = redundant(equations, values, dict.fromkeys(values, np.zeros(())))
     values |= {rope.coordinate: state[equations.names.index(rope.coordinate)] for rope in rig.ropes}
-    pull = np.hstack((equations.constraint_jacobian(state).T, -equations.input_matrix(state)))
+    pull = np.hstack((equations.constraint_forces(state).T, -equations.input_matrix(state)))
     statics = np.asarray(np.linalg.lstsq(pull, equations.force, rcond=None)[0])
     tensions = equations.tensions(state[None], statics[None, : len(equations.roles)])[0]
     pairs = zip(rig.tension_names, tensions, strict=True)

@@ -171,7 +171,7 @@ def _guesses(problem: Problem, home: Array, known: Array) -> Array:
             if axis in rig.axes:
                 state[:, equations.names.index(f"{name}.{axis}")] = place
     state = completed(equations, state)
-    pulls = np.swapaxes(equations.constraint_jacobian(state), 1, 2)
+    pulls = np.swapaxes(equations.constraint_forces(state), 1, 2)
     forces = np.concatenate((pulls, -equations.input_matrix(state)), axis=2)
     statics = np.linalg.pinv(forces) @ equations.force
     return np.concatenate((state, statics), axis=1).T

@@ -159,6 +159,8 @@ def _rows(equations: Equations, servo: Servo) -> tuple[Row, ...]:
     rows, damping = [], equations.damping
     for i, name in enumerate(equations.names):
         pulls = equations.constraints[:, i, :]
+        if equations.pushed is not None:
+            pulls = pulls * equations.pushed[:, [i]]
         rows.append(
             Row(
                 kind="motion",

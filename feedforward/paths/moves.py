@@ -7,6 +7,7 @@ from .recordings import from_csv
 from .reference import Reference
 from .straight import rest_to_rest, three_phase
 from .turning import fixed_axis
+from .waves import at_sea
 
 
 def from_move(move: Move) -> Reference:
@@ -23,11 +24,12 @@ def from_move(move: Move) -> Reference:
     if not isinstance(move, Move):
         raise PathError(f"move is {shown(move)}, it must be a Move")
     if move.profile == "sampled":
-        return from_csv(move.samples, move.order, size=len(move.start) or None)
+        path: Reference = from_csv(move.samples, move.order, size=len(move.start) or None)
+        return at_sea(path, move.waves)
     if move.profile == "three_phase":
         path = three_phase(move.start, move.goal, move.duration, move.blend, move.order)
     else:
         path = rest_to_rest(move.start, move.goal, move.duration, move.order)
     if move.turning:
-        return fixed_axis(path, move.turning)
-    return path
+        return at_sea(fixed_axis(path, move.turning), move.waves)
+    return at_sea(path, move.waves)

@@ -33,6 +33,7 @@ from ..exact.slackness import falling
 from ..exact.state import State, accept_join
 from ..paths.consistency import verify_reference
 from ..paths.reference import Reference, ReferencePath
+from ..paths.waves import still
 from ..solving.inverse import solve
 from .sizing import Sizing, sizings
 from .uncertainty import endless
@@ -144,10 +145,10 @@ def check(
     times = instants(reference.duration, rate)
     problems = []
     try:
-        verify_reference(reference, rig.outputs, needed, moving=begin is not None)
+        verify_reference(still(reference), rig.outputs, needed, moving=begin is not None)
     except PathError as error:
         problems.append(str(error))
-    path = reference
+    path: Reference = reference
     if reference.order < needed:
         problems.append(
             f"the path has {reference.order} continuous derivatives, rig {rig.name} needs {needed}"
@@ -162,7 +163,8 @@ def check(
     sizing = sizings(motion, path)
     problems += _off_rails(motion)
     problems += [_slack(motion, part) for part in motion.slack]
-    problems += _slack_at_rest(motion, moving=begin is not None)
+    if still(path) is path:  # at sea nothing rests
+        problems += _slack_at_rest(motion, moving=begin is not None)
     problems += [sentence for part in sizing for sentence in part.beyond]
     return Feasibility(rig, reference, needed, tuple(problems), "", motion, motion.slack, sizing)
 

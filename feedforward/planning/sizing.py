@@ -52,7 +52,7 @@ class Sizing:
     @property
     def rpm(self) -> float | None:
         """The speed of what turns, in revolutions per minute."""
-        return self.speed * 30.0 / math.pi if self.unit == "N m" else None
+        return self.speed * 30.0 / math.pi if self.unit in ("N m", "rad/s2") else None
 
 
 def sizings(motion: Motion, reference: Reference) -> tuple[Sizing, ...]:
@@ -89,10 +89,11 @@ def _sizing(motion: Motion, i: int) -> Sizing:
     value, limit = own[0].at(peak)
     arm = motion.rig.arm(drive)
     inputs, speeds = motion.inputs[:, i], motion.drive_velocities[:, i] / arm
-    power = inputs * speeds
+    unit = driven_unit(motion.rig, drive)
+    power = inputs * speeds * unit.startswith("N")
     return Sizing(
         drive=drive.name,
-        unit=driven_unit(motion.rig, drive),
+        unit=unit,
         limit=abs(limit),
         largest=abs(value),
         when=float(motion.times[peak]),

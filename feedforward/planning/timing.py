@@ -35,6 +35,7 @@ from ..exact.refusal import accept_path
 from ..exact.state import State, accept_join
 from ..paths.consistency import accept_rest, verify_reference
 from ..paths.reference import Reference, ReferencePath
+from ..paths.waves import AtSea
 from ..solving.inverse import solve
 from .feasibility import TAUT
 from .sizing import drive_uses
@@ -68,6 +69,11 @@ class Scaled(ReferencePath):
 
     def __post_init__(self) -> None:
         accept_path(self.path)
+        if isinstance(self.path, AtSea):
+            raise PathError(
+                "another duration would change the sea's periods, too; give a function that makes "
+                "a path of a duration, with the same waves"
+            )
         object.__setattr__(self, "duration", check_duration(self.duration))
 
     @property

@@ -29,6 +29,7 @@ from functools import cached_property
 import numpy as np
 
 from ...models.errors import OptionError
+from ...models.rig.given import refuse_given
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..exact.equations import Equations, redundant
@@ -62,6 +63,7 @@ class Regulator:
     """Derivative gains d [N s/m], [N m s/rad]."""
 
     def __post_init__(self) -> None:
+        refuse_given(self.rig.name, self.rig.frames, "its energy is not conserved")
         drives = len(self.rig.drives)
         for name in ("stiffness", "damping"):
             value = getattr(self, name)

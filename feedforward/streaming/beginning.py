@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...models.errors import OptionError, PathError, RigError
+from ...models.rig.given import refuse_given
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ...models.values import as_number, reals, shown
@@ -24,6 +25,7 @@ def begin_of(rig: Rig, start: ArrayLike | State) -> State:
     RigError, SmoothnessError, PathError
         As `Stream`.
     """
+    refuse_given(rig.name, rig.frames, "a stream leads what stands at rest; use `solve`")
     if isinstance(start, State):
         if start.problem.rig != rig:
             raise RigError(

@@ -7,10 +7,11 @@ import numpy as np
 
 from ..errors import ModelError
 from ..rig.open_tensions import distributed, wanted_densities
-from ..rig.rig import Rig
+from ..rig.rig import Frame, Rig
 from ..types import Array
 from . import spools
 from .armature import tendon_jacobian
+from .rigging import GIVEN
 from .ropes import Ropes, stretch_of, stretches
 
 
@@ -48,6 +49,10 @@ def _distribution(rig: Rig, tendons: int) -> tuple[Array, Array]:
     closest to the wanted one, as `Rig.distribution` has it; all else counts as it is.
     """
     size, wanted = np.ones(len(rig.drives) + tendons), np.zeros(len(rig.drives) + tendons)
+    for column, drive in enumerate(rig.drives):
+        part = rig.driven(drive)
+        if isinstance(part, Frame) and part.given:  # what it bears is nothing to its motor's gear
+            size[column] = 1.0 / GIVEN
     bodies = distributed(rig)
     if bodies:
         places = {point: rig.home_point(point) for rope in rig.ropes for point in rope.path}

@@ -21,9 +21,9 @@ body, whose moments only just exist."""
 
 def give_inertia(body: Any, frame: Frame) -> None:
     """A frame's body; what a turning frame's single number says is its joint's armature."""
-    nested = frame.parent != WORLD
+    nested = frame.parent != WORLD or frame.given
     least = CARRIED_MASS if nested else FRAME_MASS
-    body.mass = frame.mass or (least if frame.kind == "turning" else frame.along)
+    body.mass = frame.mass or (least if frame.kind == "turning" or frame.given else frame.along)
     body.ipos = frame.centre
     if nested or frame.mass:
         body.inertia = [CARRIED_MASS] * 3

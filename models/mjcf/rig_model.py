@@ -262,7 +262,9 @@ def _body(parent: Any, link: Body, rig: Rig) -> Any:
     for name, value, axis in zip(link.joints, link.home, _axes(rig, link), strict=True):
         kind = mujoco.mjtJoint.mjJNT_HINGE if name in hinges else mujoco.mjtJoint.mjJNT_SLIDE
         joint = body.add_joint(name=name, type=kind, axis=axis, ref=value)
-        if turning is not None:
+        if isinstance(part, Frame) and part.given:
+            joint.armature = rigging.GIVEN
+        elif turning is not None:
             joint.armature = turning.along
     return body
 

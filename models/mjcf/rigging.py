@@ -8,6 +8,10 @@ from ..rig.chain import Body
 from ..rig.rig import Drive, Frame, Rig, Rope, Trolley
 from .ropes import spool
 
+GIVEN = 1e18
+"""Armature [kg], [kg m2] of a frame whose motion is given, and gear of its motor, whose input is
+then an acceleration: so large that nothing which the frame carries moves it."""
+
 
 def add_sum(scene: mujoco.MjSpec, link: Body) -> None:
     """A trolley that rides on another one has a position of its own: a sum of slides."""
@@ -60,6 +64,8 @@ def add_motor(scene: mujoco.MjSpec, rig: Rig, drive: Drive) -> None:
     motor.ctrllimited = mujoco.mjtLimited.mjLIMITED_FALSE
     motor.target = part.name if isinstance(part, Rope) else part.coordinate
     motor.gear = [tidy(1 / rig.arm(drive)), 0, 0, 0, 0, 0]
+    if isinstance(part, Frame) and part.given:
+        motor.gear = [GIVEN, 0, 0, 0, 0, 0]
     if isinstance(part, Rope) and scene.joint(spool(part)) is not None:
         motor.target = spool(part)
     motor.trntype = mujoco.mjtTrn.mjTRN_JOINT

@@ -74,9 +74,9 @@ def _check_inertia(label: str, frame: Frame) -> None:
             f"{label}: its mass is given twice, as mass {frame.mass:g} kg and as inertia "
             f"{frame.inertia:g} kg; leave one out"
         )
-    elif frame.along < 0 or not (frame.along or frame.mass):
+    elif frame.along < 0 or not (frame.along or frame.mass or frame.given):
         raise RigError(f"{label}: inertia is {frame.along:g} {unit}, it must be > 0")
-    if frame.kind == "turning" and not about_axis(frame) > 0:
+    if frame.kind == "turning" and not (frame.given or about_axis(frame) > 0):
         raise RigError(
             f"{label}: it has no inertia about its axis, on which all of its mass lies; give it an "
             "inertia > 0 kg m2"

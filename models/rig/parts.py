@@ -49,6 +49,9 @@ class Frame(Part):
     the world does without."""
     centre: Vector = (0.0, 0.0, 0.0)
     """Centre of that mass, in the frame's own axes [m]."""
+    given: bool = False
+    """Whether its motion is given, as a ship's is, whatever pushes it: a path prescribes it, and
+    the input of its drive is its acceleration [m/s2] or [rad/s2].  Inertia then plays no part."""
     friction: Friction = FRICTIONLESS
     """Friction of its bearing [N m], [N m s], or of its rails [N], [N s/m]."""
 

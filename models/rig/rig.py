@@ -27,6 +27,7 @@ from ..values import Home, Vector, clean, shown
 from . import limit_checks, validation
 from .description import Description, named
 from .frames import outwards, parents_first
+from .given import check_given
 from .link import Link
 from .link_checks import check_held, check_links
 from .open_tensions import TENSION, check_counts, check_structure, redundant_bodies
@@ -97,6 +98,7 @@ class Rig(Description):
         limit_checks.check_drives(self.name, self.drives, self.drivable, self.loads)
         validation.check_combinations(self.combinations, self.coordinate_names, self.angles)
         validation.check_outputs(self.name, self.outputs, known)
+        check_given(self.frames, self.drives, self.outputs)
         check_counts(self)
         validation.check_home(self.home, self.frames, self.masses, planar=planar)
         for trolley in self.trolleys:

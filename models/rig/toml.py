@@ -30,7 +30,7 @@ from ..friction import Friction
 from ..reading import read_text
 from ..values import shown, word
 from .catalogue import default_move, make, parameters
-from .move import Move
+from .move import Move, Wave
 from .rig import (
     Anchor,
     Combination,
@@ -158,6 +158,8 @@ def dumps(rig: Rig, move: Move | None = None) -> str:
     if move is not None:
         changed = [item for item in fields(Move) if getattr(move, item.name) != item.default]
         table["move"] = {item.name: getattr(move, item.name) for item in changed}
+        if move.waves:
+            table["move"]["waves"] = [_entry(wave) for wave in move.waves]
     return tomli_w.dumps(table)
 
 
@@ -265,4 +267,8 @@ def _move(entry: Any, folder: Path) -> Move | None:
     values = dict(entry)
     if isinstance(values.get("samples"), str):
         values["samples"] = str(folder / values["samples"])
+    try:
+        values["waves"] = tuple(_parts("waves", Wave, values.get("waves", [])))
+    except RigError as error:
+        raise PathError(str(error)) from None
     return Move(**values)

@@ -73,7 +73,10 @@ class Prepared:
         """
         motion = self.motion
         start = dict(zip(motion.coordinate_names, motion.positions[0], strict=True))
-        first = rig_model.joint_state(motion.rig, model, start, tensions=motion.tensions[0])
+        rates = None
+        if any(frame.given for frame in motion.rig.frames):  # which may move from the start on
+            rates = dict(zip(motion.coordinate_names, motion.velocities[0], strict=True))
+        first = rig_model.joint_state(motion.rig, model, start, rates, motion.tensions[0])
         begin = time.perf_counter()
         state = run(model, first.qpos, first.qvel, self.inputs)
         seconds = time.perf_counter() - begin

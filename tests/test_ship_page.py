@@ -1,0 +1,152 @@
+"""Cranes whose base moves as given: the ship of docs/how-to/ship.md, and the Navy crane at sea."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+from flatrig import feedforward, models
+from flatrig.feedforward.exact.branch import branch_of
+from flatrig.feedforward.exact.problem import problem_of
+from flatrig.feedforward.solving.inverse import interpreted
+from flatrig.models import Drive, Frame, PathError, RigError
+from flatrig.models.mjcf import rig_model
+from flatrig.models.mjcf.simulate import accelerations
+from flatrig.models.rig.move import Wave
+from flatrig.training.simulate.open_loop import open_loop
+
+FILE = Path(__file__).resolve().parents[1] / "docs" / "how-to" / "ship_crane.toml"
+RIG, MOVE = models.load(FILE)
+assert MOVE is not None
+
+
+def given(name, kind, axis, parent):
+    return Frame(name, kind, axis=axis, parent=parent, given=True)
+
+
+def navy_at_sea(share):
+    """The Navy crane on a ship; its sea is a share of heave 1 m, roll 3 and pitch 2 degrees."""
+    navy = models.navy_crane_3d()
+    base = (
+        given("heave", "sliding", (0.0, 0.0, 1.0), "world"),
+        given("roll", "turning", (1.0, 0.0, 0.0), "heave"),
+        given("pitch", "turning", (0.0, 1.0, 0.0), "roll"),
+    )
+    boom = replace(navy.frames[0], parent="pitch")
+    rig = replace(
+        navy,
+        frames=(*base, boom),
+        drives=(*navy.drives, *(Drive(frame.name, frame.name, 10.0) for frame in base)),
+        outputs=(*navy.outputs, *(frame.coordinate for frame in base)),
+    )
+    move = models.default_move(navy)
+    still = (*move.start, 0.0, 0.0, 0.0)
+    seas = ((4, 1.0, 8.0, 0.3), (5, np.radians(3), 10.0, 1.1), (6, np.radians(2), 7.0, 2.0))
+    waves = tuple(Wave(column, share * size, *rest) for column, size, *rest in seas)
+    return rig, replace(move, start=still, goal=still, duration=20.0, order=6, waves=waves)
+
+
+def test_inputs_of_a_base_are_its_accelerations_and_the_load_stays_in_the_world():
+    reference = feedforward.from_move(MOVE)
+    report = feedforward.check(RIG, reference)
+    assert report.problems == ()
+    motion = feedforward.solve(RIG, reference, np.linspace(0.0, 60.0, 301))
+    assert feedforward.residuals(motion, reference).max() < 1e-12
+    waves = {wave.column: wave for wave in MOVE.waves}
+    for column in (3, 4, 5):
+        wave = waves[column]
+        turn = 2.0 * np.pi / wave.period
+        place = wave.amplitude * np.sin(turn * motion.times + wave.phase)
+        assert motion.inputs[:, column] == pytest.approx(-(turn**2) * place, abs=1e-12)
+    # at rest in the world after arrival, the load hangs straight below the trolley
+    rest = motion.times > MOVE.duration
+    assert motion.tensions[rest, 0] == pytest.approx(100.0 * 9.81, rel=1e-9)
+    x, y = (motion.positions[rest, motion.column(f"trolley.{axis}")] for axis in "xy")
+    assert np.hypot(x - 8.0, y - 6.0).max() < 1e-9
+
+
+def test_programs_give_the_same():
+    branch = branch_of(problem_of(RIG), feedforward.from_move(MOVE))
+    times = np.linspace(0.0, 40.0, 9)
+    found, oracle = feedforward.solve(RIG, branch.reference, times), interpreted(branch, times)
+    for group in ("positions", "velocities", "accelerations", "inputs", "tensions"):
+        size = np.abs(getattr(oracle, group)).max()
+        assert np.abs(getattr(found, group) - getattr(oracle, group)).max() < 1e-11 * size
+
+
+def test_it_lands_in_mujoco_open_loop():
+    run = open_loop(RIG, feedforward.from_move(replace(MOVE, duration=10.0)))
+    assert run.distance.max() < 1e-4
+
+
+def test_accelerations_are_those_of_mujoco():
+    random = np.random.default_rng(4)
+    model = rig_model.compile(RIG, visuals=False)
+    equations = feedforward.equations_of(RIG)
+    homes = RIG.home_coordinates
+    values = {name: home + 0.3 * random.normal(size=5) for name, home in homes.items()}
+    rates = {name: 0.3 * random.normal(size=5) for name in homes}
+    limits = np.array([drive.limit for drive in RIG.drives])
+    inputs = limits * random.uniform(-1.0, 1.0, (5, len(limits)))
+    joints = rig_model.joint_state(RIG, model, values, rates)
+    turn = accelerations(model, *joints, inputs)
+    world = rig_model.points(RIG, *joints, turn)["load"][2]
+    expected, _ = equations.accelerations(*feedforward.redundant(equations, values, rates), inputs)
+    columns = [equations.names.index(f"load.{axis}") for axis in "xyz"]
+    assert world == pytest.approx(expected[:, columns], rel=0, abs=1e-9 * np.abs(expected).max())
+
+
+def test_the_navy_crane_works_in_a_third_of_the_sea_and_no_more():
+    calm, rough = (
+        feedforward.check(rig, feedforward.from_move(move), rate=20.0)
+        for rig, move in map(navy_at_sea, (1 / 3, 1.0))
+    )
+    assert not any("push" in problem for problem in calm.problems)
+    assert any("rope tagline would have to push from" in problem for problem in rough.problems)
+
+
+def test_files_keep_waves():
+    assert models.loads(models.dumps(RIG, MOVE)) == (RIG, MOVE)
+    with pytest.raises(PathError, match="wave: period is 0 s, it must be > 0"):
+        Wave(3, 1.0, 0.0)
+    with pytest.raises(PathError, match="wave: column is 9, it must be 0 to 5"):
+        replace(MOVE, waves=(Wave(9, 1.0, 1.0),))
+    with pytest.raises(PathError, match="unknown entry 'height'"):
+        models.loads(FILE.read_text().replace("amplitude = 1.0", "height = 1.0"))
+
+
+def test_what_a_base_cannot_be():
+    frames = RIG.frames
+    for changed, message in (
+        ((*frames[:2], replace(frames[2], given=False, inertia=9.0), frames[3]), None),
+        ((replace(frames[0], given=False, inertia=9.0), *frames[1:]), "stands on heave, whose"),
+    ):
+        if message:
+            with pytest.raises(RigError, match=message):
+                replace(RIG, frames=changed)
+        else:
+            assert replace(RIG, frames=changed)
+    with pytest.raises(RigError, match="roll, whose motion is given, has no drive"):
+        replace(RIG, drives=(*RIG.drives[:4], RIG.drives[5]))
+    with pytest.raises(RigError, match=r"needs heave\.position among the outputs"):
+        replace(RIG, outputs=("load.x", "load.y", "load.z", "hoist.length", *RIG.outputs[4:]))
+
+
+def test_what_does_not_hold_a_moving_base_says_so():
+    reference = feedforward.from_move(MOVE)
+    with pytest.raises(RigError, match="stands on heave, whose motion is given: environments"):
+        gym.make("flatrig/Rig-v0", rig=RIG, reference=reference)
+    with pytest.raises(RigError, match="given: a stream leads what stands at rest"):
+        feedforward.Stream(RIG, MOVE.start)
+    with pytest.raises(RigError, match="given: no formulation steps through that"):
+        feedforward.integrate(RIG, reference, step=0.1)
+    with pytest.raises(PathError, match="another duration would change the sea's periods"):
+        feedforward.shortest_duration(RIG, reference)
+
+
+def test_a_sea_that_starts_with_a_jump_is_refused():
+    wave = (Wave(0, 1.0, 8.0),)
+    with pytest.raises(PathError, match=r"a wave is in load.x, which has to start in rest"):
+        feedforward.solve(RIG, feedforward.from_move(replace(MOVE, waves=wave)), 0.0)
