@@ -20,7 +20,8 @@ torque is positive when it pays out.
 
 import math
 from dataclasses import dataclass
-from typing import overload
+from functools import cached_property
+from typing import Any, overload
 
 from ..errors import RigError
 from ..values import Home, Vector, clean, shown
@@ -79,6 +80,18 @@ class Rig(Description):
         object.__setattr__(self, "masses", (*self.trolleys, *self.loads, *self.platforms))
         object.__setattr__(self, "frames", parents_first(self.name, self.frames))
         self._check()
+
+    def __hash__(self) -> int:
+        """Of all parts, computed once: what is derived from a rig is looked up by it."""
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return super().__hash__()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the hash, which differs from one process to the next."""
+        return {name: value for name, value in self.__dict__.items() if name != "_hash"}
 
     def _check(self) -> None:
         """Check the rig whole, part by part and then how the parts fit together."""

@@ -289,3 +289,13 @@ def test_the_page_s_own_robot_works():
         *_, ended, _, info = env.step(np.zeros(len(rig.drives)))
         assert not ended
     assert np.linalg.norm(info["load"] - info["reference"]) < 1e-3
+
+
+def test_eight_ropes_are_driven_tick_by_tick():
+    stream = feedforward.Stream(models.cable_robot(), MOVE.start)
+    samples = [stream.tick((0.5, 0.3, 0.4, 0.0, 0.0, 0.1)) for _ in range(60)]
+    motion = feedforward.solve(
+        models.cable_robot(), stream.reference, [s.time for s in samples], begin=stream.begin
+    )
+    assert_allclose([s.tensions for s in samples], motion.tensions, rtol=1e-8)
+    assert samples[-1].tensions.min() > 0.0

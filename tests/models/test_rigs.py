@@ -330,3 +330,11 @@ def test_catalogue_names():
     assert models.full_name("rotary-crane") == "rotary_crane"
     with pytest.raises(RigError, match="no parameter 'mass'"):
         models.make("overhead", mass=3.0)
+
+
+def test_a_rig_remembers_its_hash_in_its_own_process_only():
+    rig = models.cable_robot()
+    assert hash(rig) == hash(models.cable_robot())
+    packed = pickle.dumps(rig)
+    assert b"_hash" not in packed
+    assert pickle.loads(packed) == rig
