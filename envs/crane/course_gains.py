@@ -11,9 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...models.errors import OptionError
 from ...models.types import Array
-from .courses import planned
 from .geometry import Scales
+from .linear_plans import along_plan
 from .linearisation import Lineariser
 from .optimal_feedback import Weights, output_weights, regulator
 from .plan import CranePlan, feedforward_with
@@ -28,7 +29,7 @@ class Gains(NamedTuple):
     """Matrices of n simulations."""
 
     feedback: Array
-    """Of the regulator's state, (n, drives, state)."""
+    """Of the regulators' state, (n, regulators, drives, state)."""
     transition: Array
     """Of joints and rates over a period, (n, states, states)."""
     push: Array
@@ -53,7 +54,8 @@ class CourseGains:
     scales
         Its units.
     weights, delay
-        Of the regulator, and how late its commands are taken to act [periods].
+        Of the regulators, as many as there are changes of commands among the weights, and how
+        late their commands are taken to act [periods].
     errors
         Standard deviations of measured drives, and of outputs if they are, (measured,).
     """
@@ -62,7 +64,7 @@ class CourseGains:
         self, lineariser: Lineariser, scales: Scales, weights: Weights, delay: int, errors: Array
     ) -> None:
         self._lineariser, self._weights, self._errors = lineariser, weights, errors
-        self._delay = np.array([delay])
+        self._delays = np.full(np.size(weights.change), delay)
         self.outputs = output_weights(lineariser.rig, scales, weights)
         """What each output's deviation is multiplied with, (outputs,)."""
         self._shapes: list[tuple[int, ...]] = []
@@ -72,13 +74,20 @@ class CourseGains:
 
         Raises
         ------
-        ArithmeticError
-            The rig cannot be regulated somewhere along the plan.
+        OptionError
+            The rig cannot be regulated where the plan ends.
         """
         lineariser = self._lineariser
-        model = lineariser.along([planned(lineariser.rig, lineariser.model, plan)])
+        model = along_plan(lineariser, plan)
         steps = model.knots[0].astype(int)
-        feedback = regulator(model, self._delay, self.outputs, self._weights).state[steps, 0]
+        every = model.repeated(len(self._delays))
+        try:
+            feedback = regulator(every, self._delays, self.outputs, self._weights).state[steps]
+        except ArithmeticError as error:
+            raise OptionError(
+                f"no regulator holds {lineariser.rig.name} where its plan ends: its drives do not "
+                "move all of what swings or is to be held; take PD and Feedforward alone"
+            ) from error
         first, last = model.states, model.states + model.inputs
         transition, push, winds = np.split(
             model.transition[0, :, :, : last + model.axes], (first, last), axis=2

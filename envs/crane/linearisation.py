@@ -18,7 +18,8 @@ along the plan; between knots they are interpolated.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 import mujoco
 import numpy as np
@@ -89,6 +90,11 @@ class LinearModel:
         """Number of joints and rates."""
         return int(self.transition.shape[2])
 
+    def repeated(self, times: int) -> Self:
+        """The models of all courses, each so many times."""
+        tables = "knots", "transition", "outputs", "drives", "rooms"
+        return replace(self, **{name: getattr(self, name).repeat(times, axis=0) for name in tables})
+
     def at(self, step: int) -> tuple[Array, Array, Array, Array, Array]:
         """A, B, G, H and the trolleys' rooms of every course at a step, shapes (P, ...)."""
         courses = np.arange(len(self.knots))
@@ -134,7 +140,7 @@ class Lineariser:
         nthread: int = 1,
         room: int = ROOM,
     ) -> None:
-        self.rig, self.period = rig, period
+        self.rig, self.period, self.massless = rig, period, massless
         self.stride = max(1, round(SPACING / period))
         substeps = SUBSTEPS if timestep is None else max(1, round(period / timestep))
         self._substeps = substeps

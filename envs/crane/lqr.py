@@ -17,9 +17,11 @@ A regulator that is too sure of its model fails on a plant that is another one. 
 to be three periods late, one more than the longest of the standard disturbances, count with inputs
 that are off by a tenth or a fifth of the limits, and with forces of no model on the load.
 
-Limits: the linear models are those of the rig's own mass.  What errors cost is in metres, for ropes
-of some metres: with one of 20 m take a smaller `change`, or `SwingDamping`.  With the wind among
-what the filter believes, one crane of three got better and the rotary one let ropes go slack.
+One that asks for more than drives have is unstable too, where they are weak: there softer ones take
+over (`softening`).
+
+Limits: the linear models are those of the rig's own mass.  With the wind among what the filter
+believes, one crane of three got better and the rotary one let ropes go slack.
 """
 
 from dataclasses import replace
@@ -36,11 +38,12 @@ from ..laws import AnyEnv, Law, laws_of, refuse_below, task_of, wrap
 from .along_plans import AlongPlans
 from .course_gains import CourseGains, Gains
 from .kalman import KalmanFilter, Noise
-from .linearisation import Lineariser
+from .linear_plans import lineariser_for
 from .load_sensors import LoadSensors
 from .mass_estimate import FARTHEST
 from .optimal_feedback import Weights
 from .outputs import levers
+from .softening import Softening
 from .task import CraneTask
 
 DELAY = 3
@@ -55,9 +58,10 @@ PATIENCE = 1.0
 CALM = 0.002, 3.0
 """The two where a free pulley hangs in space: light, it swings between its ropes faster than a
 regulator that is late can follow, and linear models of it hold nearby only."""
-HEAVY = 0.02, 1.0
-"""The two for platforms: all trolleys ride on one frame, whose drive would else be at its limit for
-an error of centimetres, and a regulator that is at its limits keeps the load swinging."""
+SOFTER = 1.0, 0.4, 0.15, 0.05, 0.015
+"""Changes of commands of all regulators, over the stiffest's, see `softening`."""
+SWINGS = 3.0
+"""Time before a stiffer regulator is taken again, over that in which a load swings by a radian."""
 SWAY = 0.1
 """Deviation of a joint that does [m, rad]: below a drive that is held a load swings as a pendulum,
 whatever its mass; one that yields swings with it."""
@@ -80,8 +84,7 @@ class LQRLaw(Law):
     ) -> None:
         self._task, self._loads, self._feedback = task, loads, feedback
         self._patience, drives = weights.patience, len(task.limits)
-        timestep = None if task.massless is None else float(task.plant.model.opt.timestep)
-        lineariser = Lineariser(task.rig, task.period, massless=task.massless, timestep=timestep)
+        lineariser = lineariser_for(task)
         noise = NOISE["encoders" if loads is None else task.sensors]
         errors, self._late = np.full(drives, noise.drives), np.zeros(drives, bool)
         if loads is not None:
@@ -93,6 +96,7 @@ class LQRLaw(Law):
         states = 2 * lineariser.model.nv
         self.filter = KalmanFilter(task.num, states, noise, errors, task.period)
         """What it believes of the crane's state."""
+        self._softening = Softening(task.num, SWINGS * task.scales.time / task.period)
         self._sum = np.zeros((task.num, len(task.rig.outputs)))
         self._sent = np.zeros((task.num, DELAY, drives))
 
@@ -112,7 +116,11 @@ class LQRLaw(Law):
         known = [self.filter.estimate[:, :-1], on_the_way]
         if self._loads is not None:
             known.append(self._integrals(self._loads, fresh))
-        wanted = heavier - np.matvec(gains.feedback, np.hstack(known))
+        planned = task.rows.parts["feedforward"]
+        commands = (planned + heavier)[:, None] - np.matvec(
+            gains.feedback, np.hstack(known)[:, None]
+        )
+        wanted = self._softening.choose(commands, fresh) - planned
         return np.asarray(actions + wanted - self._feedback.feedback())
 
     def _remember(self, fresh: Mask) -> None:
@@ -157,8 +165,8 @@ def LQR(env: AnyEnv, *, change: float | None = None, patience: float | None = No
         or vector.
     change
         Change of a command in one period, over the limits, that costs as much as the load's error
-        of a centimetre: more is quicker, and bears less delay and noise; 0.05 if left out, 0.02
-        with a platform, 0.002 with a free pulley in space.
+        of a centimetre: more is quicker, and bears less delay and noise; 0.05 if left out, 0.002
+        with a free pulley in space.
     patience
         Time in which a lasting error costs once more what it does at once [s]; 1, or 3 with such
         a pulley, if left out.
@@ -178,10 +186,7 @@ def LQR(env: AnyEnv, *, change: float | None = None, patience: float | None = No
     own = usual(task.rig)
     change = bounded("change", own[0] if change is None else change, above=0)
     patience = bounded("patience", own[1] if patience is None else patience, above=0, unit="s")
-    weights = replace(
-        Weights.of(task.rig, task.scales), change=change, patience=patience, sway=SWAY
-    )
-    law = LQRLaw(task, task.loads, feedback, weights)
+    law = LQRLaw(task, task.loads, feedback, _weights(task, change, patience))
     return wrap(env, law, change=change, patience=patience)
 
 
@@ -203,16 +208,20 @@ def Observer(env: AnyEnv, *, change: float | None = None) -> Any:
     """
     task, feedback = _below(env, "Observer")
     change = bounded("change", usual(task.rig)[0] if change is None else change, above=0)
-    weights = replace(Weights.of(task.rig, task.scales), change=change, sway=SWAY)
-    return wrap(env, ObserverLaw(task, None, feedback, weights), change=change)
+    law = ObserverLaw(task, None, feedback, _weights(task, change, 0.0))
+    return wrap(env, law, change=change)
 
 
 def usual(rig: Rig) -> tuple[float, float]:
     """Change and patience that suit a rig."""
     hanging = any(part.name in rig.pulleys for part in rig.loads)
-    if rig.platforms:
-        return HEAVY
     return CALM if hanging and rig.dimensions == 3 else (CHANGE, PATIENCE)
+
+
+def _weights(task: CraneTask, change: float, patience: float) -> Weights:
+    """Costs of the stiffest regulator and of the softer ones."""
+    usual = Weights.of(task.rig, task.scales)
+    return replace(usual, change=change * np.array(SOFTER), patience=patience, sway=SWAY)
 
 
 def _below(env: AnyEnv, name: str) -> tuple[CraneTask, PDLaw]:

@@ -52,8 +52,8 @@ class Weights:
     """Of other outputs [m, rad]."""
     sway: float = 0.3
     """Of each joint [m, rad]."""
-    change: float = 0.02
-    """Of a command in one period, over the limits."""
+    change: float | Array = 0.02
+    """Of a command in one period, over the limits; one for each course, (P,), if they differ."""
     reach: float = 0.0
     """How far trolleys go at the most, for the cost near the ends of rails [m]."""
     patience: float = 0.0
@@ -199,7 +199,8 @@ def _late(
     cost[:, :joints, :joints] += trolleys.T @ (short[..., None] * trolleys)
     forces = np.zeros((count, size, expected.spread.shape[2]))
     forces[:, :states] = disturbances @ expected.spread
-    change = np.broadcast_to(np.eye(drives) / weights.change**2, (count, drives, drives))
+    costs = np.broadcast_to(1.0 / np.square(weights.change), count)
+    change = costs[:, None, None] * np.eye(drives)
     return Stage(full, inputs, forces, expected.drift, cost, change)
 
 

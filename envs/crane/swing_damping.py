@@ -26,8 +26,7 @@ from ...models.values import bounded
 from ..controllers import PDLaw
 from ..laws import AnyEnv, Law, laws_of, refuse_below, task_of, wrap
 from .along_plans import AlongPlans
-from .courses import planned
-from .linearisation import Lineariser
+from .linear_plans import along_plan, lineariser_for
 from .load_sensors import LoadSensors
 from .payloads import payloads
 from .plan import CranePlan
@@ -50,10 +49,7 @@ class SwingLaw(Law):
         self, task: CraneTask, loads: LoadSensors, feedback: PDLaw, damping: float, integral: float
     ) -> None:
         self._task, self._loads, self._feedback = task, loads, feedback
-        timestep = None if task.massless is None else float(task.plant.model.opt.timestep)
-        self._lineariser = Lineariser(
-            task.rig, task.period, massless=task.massless, timestep=timestep
-        )
+        self._lineariser = lineariser_for(task)
         self._map = AlongPlans(task, self._static_maps, self._lineariser.stride)
         rate = 1.0 / task.scales.time
         swings = {f"{part.name}.{axis}" for part in payloads(task.rig) for axis in "xy"}
@@ -81,8 +77,7 @@ class SwingLaw(Law):
 
     def _static_maps(self, plan: CranePlan) -> Array:
         """How far drives go for each output at knots, shape (knots, drives, outputs)."""
-        lineariser = self._lineariser
-        model = lineariser.along([planned(self._task.rig, lineariser.model, plan)])
+        model = along_plan(self._lineariser, plan)
         states, inputs, outputs = model.states, model.inputs, model.outputs.shape[2]
         joints = states // 2
         system = np.zeros((model.knots.shape[1], states + outputs, states + inputs))

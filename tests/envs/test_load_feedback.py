@@ -196,7 +196,7 @@ def test_platforms_do_not_swing_as_pendulums() -> None:
         ("cantilever_crane", 0.05),
         ("navy_crane_2d", 0.05),
         ("navy_crane_3d", 0.002),
-        ("cable_manipulator", 0.02),
+        ("cable_manipulator", 0.05),
     ],
 )
 def test_regulators_are_softer_where_they_must_be(name, change):

@@ -22,6 +22,7 @@ import numpy as np
 
 from ...envs import CraneTask, Scenario
 from ...envs.crane.courses import planned
+from ...envs.crane.linear_plans import lineariser_for
 from ...envs.crane.linearisation import FRICTIONS, Lineariser
 from ...envs.crane.optimal_feedback import Weights, output_weights, regulator, with_gusts
 from ...envs.crane.payloads import payloads
@@ -172,12 +173,6 @@ class CraneTeacher:
     def _now(self, gains: Array) -> Array:
         """Gains of each simulation at its present step."""
         return np.asarray(gains[np.minimum(self.task.steps, len(gains) - 1), self._every])
-
-
-def lineariser_for(task: CraneTask, **options: int) -> Lineariser:
-    """What linearises the rig of a task, with the task's stand-in for massless pulleys."""
-    timestep = None if task.massless is None else task.plant.model.opt.timestep
-    return Lineariser(task.rig, task.period, massless=task.massless, timestep=timestep, **options)
 
 
 def _padded(tables: list[Array]) -> Array:

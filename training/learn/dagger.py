@@ -17,13 +17,14 @@ import numpy as np
 import torch
 
 from ...envs.crane.disturbances import Disturbances
+from ...envs.crane.linear_plans import lineariser_for
 from ...envs.crane.optimal_feedback import Weights
 from ...models import Move, Rig, fingerprint
 from ...models.types import Array, Mask
 from ..gate import Gate
 from ..learned import features_of
 from ..policy import Card, Policy
-from .crane_teacher import CraneTeacher, lineariser_for
+from .crane_teacher import CraneTeacher
 from .rollout import RESOLUTIONS, UNDISTURBED, Classroom, Episode, Seen, draw_episodes
 from .settings import Settings
 from .student import Lessons, School, Student, normalised
