@@ -46,7 +46,7 @@ class Softening:
         Array
             Those to send, (n, drives).
         """
-        within = (np.abs(commands) <= 1.0).all(axis=2)
+        within = np.asarray((np.abs(commands) <= 1.0).all(axis=2))
         within[:, -1] = True
         needed = within.argmax(axis=1)
         self.chosen[fresh], self._waited[fresh] = 0, 0.0
