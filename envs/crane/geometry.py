@@ -20,7 +20,7 @@ import numpy as np
 from ...models.errors import OptionError
 from ...models.mjcf.rig_state import State, coordinates, points
 from ...models.mjcf.swinging import way
-from ...models.rig.chain import Body, chain_of, joint_names
+from ...models.rig.chain import Body, apart, chain_of, joint_names
 from ...models.rig.lengths import spans
 from ...models.rig.rig import Anchor, Rig
 from ...models.rig.turning_axes import carry
@@ -157,7 +157,7 @@ def geometry_of(rig: Rig, model: object, home: Array) -> Geometry:
         values.append(np.eye(1, columns + 1, size + 9 * index + 9)[0] - UPRIGHT)
         reasons.append(TIPPED)
     clearances = _affine(np.array(values)[..., None])[:, 0]
-    affine = _holds(rig, vectors, owners)
+    affine = not (rig.links and apart(rig)) and _holds(rig, vectors, owners, size)
     tilts = any(frame.kind == "turning" and abs(frame.axis[2]) != 1.0 for frame in rig.frames)
     hung = tuple((above, load) for load, above in hangers(rig).items()) if tilts else ()
     return Geometry(clearances, tuple(reasons), vectors, tuple(owners), affine, hung, scales)
@@ -226,9 +226,9 @@ def _turning(rig: Rig) -> list[int]:
     return [index for index, name in enumerate(joint_names(rig)) if name in turning]
 
 
-def _holds(rig: Rig, vectors: Array, owners: list[int]) -> bool:
-    """Whether the spans have the right lengths at random joints too."""
-    joints = np.random.default_rng(0).normal(size=(8, len(joint_names(rig))))
+def _holds(rig: Rig, vectors: Array, owners: list[int], size: int) -> bool:
+    """Whether the spans have the right lengths at so many random joints too."""
+    joints = np.random.default_rng(0).normal(size=(8, size))
     still = np.stack((joints, np.zeros_like(joints)), axis=1)
     parts = [turned(still[..., own])[:, 0] for own in angle_joints(rig)]
     motion = {name: still[..., i].swapaxes(0, 1) for i, name in enumerate(joint_names(rig))}

@@ -13,7 +13,7 @@ import numpy as np
 from ...models.mjcf import rig_model
 from ...models.mjcf.rig_state import State, coordinates, joint_state, points
 from ...models.mjcf.swinging import way
-from ...models.rig.chain import joint_names
+from ...models.rig.chain import apart, joint_names
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import NOT_FINITE, NOTHING, Ids
@@ -74,12 +74,11 @@ class Plant(Simulations[CranePlan, Scenario]):
         self._allocate()
         self._outputs = Outputs(rig, self.model, self.batch, rates, self.tensions)
         self.outputs, self.output_rates = self._outputs.values, self._outputs.rates
-        ropes = self.tensions[:, : len(rig.ropes)]
-        self._forces = RopeForces(rig, self.model, self.batch, self.geometry, self._spans, ropes)
-        self._links = None
-        if rig.links:
-            held = self.tensions[:, len(rig.ropes) :]
+        pulls, self._links = self.tensions, None
+        if rig.links and not apart(rig):  # or what tells of ropes tells of links
+            pulls, held = np.split(self.tensions, [len(rig.ropes)], axis=1)
             self._links = LinkForces(rig, self.model, self.batch, held)
+        self._forces = RopeForces(rig, self.model, self.batch, self.geometry, self._spans, pulls)
         self._friction = None
         described = self.model.tendon_frictionloss.any(), self.model.dof_frictionloss.any()
         if friction or any(described):

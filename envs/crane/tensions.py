@@ -71,7 +71,7 @@ class RopeForces:
         if not self._affine:
             state = (self._qpos, self._qvel, self._qacc, self._ctrl)
             every = tensions(self._rig, *state, 0.0 if friction is None else friction)
-            out[...] = every[:, : len(self._rig.ropes)]
+            out[...] = every[:, : out.shape[1]]
             return
         self._left_motion[...] = self._motion
         self._right_motion[...] = self._reverse

@@ -127,8 +127,12 @@ def servo_constraints(equations: Equations) -> Servo:
 
 
 def _tension(equations: Equations, rope: str) -> tuple[Terms, tuple[tuple[float, int, int], ...]]:
-    """The tension of a rope that runs straight, its multiplier times its length over its falls."""
-    number = equations.rig.rope_names.index(rope)
+    """The tension of a link, or of a rope that runs straight over its falls."""
+    number = equations.rig.tension_names.index(rope)
+    if number >= len(equations.rig.ropes):
+        link = equations.rig.links[number - len(equations.rig.ropes)]
+        k = equations.links[number - len(equations.rig.ropes)]
+        return ((equations.rig.link_length(link), len(equations.names) + k),), ()
     (span,), (length,) = equations.spans[number], equations.span_lengths[number]
     multiplier, row = len(equations.names) + span, length / equations.rig.ropes[number].falls
     products = tuple((float(a), multiplier, j) for j, a in enumerate(row[:-1]) if a)

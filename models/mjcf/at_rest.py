@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from ..errors import ModelError
+from ..rig.chain import stiff_links
 from ..rig.open_tensions import distributed, wanted_densities
 from ..rig.rig import Frame, Rig
 from ..types import Array
@@ -32,18 +33,22 @@ def compile_at_rest(scene: mujoco.MjSpec, rig: Rig, ropes: Ropes) -> mujoco.MjMo
         reason = " ".join(str(error).split())
         raise ModelError(f"MuJoCo refuses the model of rig {rig.name}: {reason}") from None
     tendons = [stretch_of(rope) for rope in rig.ropes] if ropes.spooled else []
-    inputs, tensions_at_rest = _holding_inputs(model, tendons, *_distribution(rig, len(tendons)))
+    ties = [link.name for link in stiff_links(rig)]
+    sizes = _distribution(rig, len(tendons), len(tendons) + len(ties))
+    inputs, tensions_at_rest = _holding_inputs(model, tendons + ties, *sizes)
     home = model.key_qpos[0].copy()
     if ropes.spooled:
         spools.settle(scene, rig, ropes, model)  # while the keyframe's ropes are unstretched
-        home[-len(tendons) :] -= stretches(rig, model, tensions_at_rest)
+        home[-len(tendons) :] -= stretches(rig, model, tensions_at_rest[: len(tendons)])
     scene.key("home").qpos = model.key_qpos[0] = home
     scene.key("home").ctrl = model.key_ctrl[0] = inputs
     return model
 
 
-def _distribution(rig: Rig, tendons: int) -> tuple[Array, Array]:
+def _distribution(rig: Rig, spools: int, tendons: int) -> tuple[Array, Array]:
     """Sizes of inputs, then of tensions, and wanted values in them, (drives + tendons,) each.
+
+    The first `spools` of the tendons are ropes, the others links.
 
     Of more ropes than freedoms an input counts as the force density of its rope, and is to be
     closest to the wanted one, as `Rig.distribution` has it; all else counts as it is.
@@ -62,7 +67,7 @@ def _distribution(rig: Rig, tendons: int) -> tuple[Array, Array]:
             length = math.dist(*(places[point] for point in rope.path)) / rope.falls
             size[column] = rig.arm(rig.drives[column]) * length
             wanted[column] = -densities[rope.name]
-            if tendons:
+            if spools:
                 other = len(rig.drives) + rig.rope_names.index(rope.name)
                 size[other], wanted[other] = length, densities[rope.name]
     return size, wanted

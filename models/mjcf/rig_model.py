@@ -186,7 +186,7 @@ def _scene(
         rigging.add_sum(scene, link)
     paid = spools.add(scene, rig, ropes) if ropes.spooled else []
     for rope in rig.ropes:
-        if not ropes.spooled or visuals:
+        if not ropes.spooled or visuals or ropes.kind == "equality":
             inertia = 0.0 if ropes.spooled else rope.inertia_along
             rigging.lay(scene, rope.name, rope.path, rope.falls, inertia)
         rigging.add_sheaves(scene, rope)

@@ -1,4 +1,4 @@
-"""What ropes are made of in a MuJoCo model: rigid, elastic, or able to go slack.
+"""What ropes are made of in a MuJoCo model: rigid, elastic, able to go slack, or constraints.
 
     model = models.compile(rig, ropes="slack")
     model = models.compile(rig, ropes=models.Ropes("elastic", stiffness=1e6, damping_ratio=0.05))
@@ -10,6 +10,11 @@
   (L - w).  As k grows the rope becomes the rigid one; it pushes as that does.
 - `slack`: the spool again, but the rope only pulls.  Without a stiffness a limit L <= w holds it,
   as stiff as the time step can bear; with one, a spring that a shorter way leaves unstretched.
+
+- `equality`: the spool again, and a constraint L = w that holds both ways.  It is what `rigid`
+  becomes where ropes tie together what no chain of bodies holds, `flatrig.models.rig.chain.apart`:
+  two frames, trolleys on rails that are not parallel, two platforms.  MuJoCo's equality leaves out
+  what turns a moving rope and makes it good by a stretch of some 1e-9 m.
 
 These are properties of the model, not of the description: exact feedforward is that of
 inextensible ropes, and a move under other ropes shows what this neglects.
@@ -28,11 +33,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import ModelError, did_you_mean
+from ..rig.chain import apart
 from ..rig.rig import Rig, Rope
 from ..types import Array
 from ..values import bounded, reals
 
-KINDS = ("rigid", "elastic", "slack")
+KINDS = ("rigid", "elastic", "slack", "equality")
 """What ropes may be."""
 
 EA = 1e7
@@ -77,7 +83,9 @@ class Ropes:
         for one, other in (("stiffness", "ea"), ("damping", "damping_ratio")):
             if one in given and other in given:
                 raise ModelError(f"ropes: give {one} or {other}, not both")
-        fitting = {"rigid": (), "slack": ("stiffness", "ea")}.get(self.kind, tuple(given))
+        fitting = {"rigid": (), "slack": ("stiffness", "ea"), "equality": ()}.get(
+            self.kind, tuple(given)
+        )
         for name in given:
             if name not in fitting:
                 raise ModelError(f"ropes: {self.kind} ropes have no {name}; elastic ones have")
@@ -99,7 +107,7 @@ class Ropes:
         """
         if self.stiffness is not None:
             return _of(self.stiffness, "stiffness", rope)
-        if self.ea is None and self.kind == "slack":
+        if self.ea is None and self.kind in ("slack", "equality"):
             return 0.0
         return _of(EA if self.ea is None else self.ea, "ea", rope) / home_length(rig, rope)
 
@@ -122,6 +130,8 @@ def ropes_of(ropes: str | Ropes, rig: Rig) -> Ropes:
         There are none of that kind, or names are not those of the rig's ropes.
     """
     ropes = ropes if isinstance(ropes, Ropes) else Ropes(ropes)
+    if ropes.kind == "rigid" and apart(rig):
+        ropes = Ropes("equality")
     for option in (ropes.stiffness, ropes.ea, ropes.damping, ropes.damping_ratio):
         for name in option if isinstance(option, Mapping) else ():
             if name not in rig.rope_names:
@@ -163,9 +173,12 @@ def stiffness(model: Any, rope: Rope) -> float:
     index = model.tendon(stretch_of(rope)).id
     if spring := float(np.atleast_1d(model.tendon_stiffness[index])[0]):
         return spring
-    share = float(model.tendon_solimp_lim[index, 0])
-    time = float(model.tendon_solref_lim[index, 0])
-    return 1.0 / ((1.0 - share) * time**2 * float(model.tendon_invweight0[index]))
+    if model.tendon_limited[index]:
+        share, time = model.tendon_solimp_lim[index, 0], model.tendon_solref_lim[index, 0]
+    else:
+        equal = model.equality(stretch_of(rope)).id
+        share, time = model.eq_solimp[equal, 0], model.eq_solref[equal, 0]
+    return float(1.0 / ((1.0 - share) * time**2 * float(model.tendon_invweight0[index])))
 
 
 def stretches(rig: Rig, model: Any, tensions: ArrayLike) -> Array:

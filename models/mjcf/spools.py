@@ -28,6 +28,9 @@ LIMIT_STEPS = 4.0
 """Time constant of a rope's limit in time steps.  With half of it, MuJoCo's least, a load ends
 three times nearer (4e-6 m against 1e-5 m at 1 ms), but tensions are three times as noisy."""
 
+EQUALITY_STEPS = 2.0
+"""The same of an equality, MuJoCo's least."""
+
 IMPEDANCE = 0.9999
 """Share of a violation's acceleration that a rope's limit removes.  With MuJoCo's defaults,
 of time constant and share, a crane's rope gives way by 4 mm, with these by 0.1 mm at 1 ms."""
@@ -59,7 +62,9 @@ def _add(scene: mujoco.MjSpec, rig: Rig, rope: Rope, ropes: Ropes) -> float:
     fixed = scene.worldbody.add_site(name=f"{rope.name}.zero", pos=[0, 0, 0])
     tendon = lay(scene, stretch_of(rope), rope.path, rope.falls, before=(fixed.name, spool(rope)))
     spring = ropes.spring(rig, rope)
-    if spring:
+    if ropes.kind == "equality":
+        hold(scene, tendon.name)
+    elif spring:
         tendon.stiffness[0] = spring
         tendon.springlength = [0 if ropes.kind == "slack" else whole, whole]
     else:
@@ -67,6 +72,19 @@ def _add(scene: mujoco.MjSpec, rig: Rig, rope: Rope, ropes: Ropes) -> float:
         tendon.solref_limit = [LIMIT_STEPS * scene.option.timestep, 1]
         tendon.solimp_limit[:2] = IMPEDANCE
     return home
+
+
+def hold(scene: mujoco.MjSpec, tendon: str) -> None:
+    """Keep a tendon at its length at home, and leave that on."""
+    off, flags = mujoco.mjtDisableBit, scene.option.disableflags
+    if flags & int(off.mjDSBL_CONSTRAINT):
+        flags |= int(off.mjDSBL_FRICTIONLOSS)
+    scene.option.disableflags = flags & ~int(off.mjDSBL_CONSTRAINT) & ~int(off.mjDSBL_EQUALITY)
+    equal = scene.add_equality(name=tendon, type=mujoco.mjtEq.mjEQ_TENDON)
+    equal.name1, equal.objtype = tendon, mujoco.mjtObj.mjOBJ_TENDON
+    equal.data[:5] = [0.0, 1.0, 0.0, 0.0, 0.0]
+    equal.solref = [EQUALITY_STEPS * scene.option.timestep, 1]
+    equal.solimp[:2] = IMPEDANCE
 
 
 def allow(scene: mujoco.MjSpec, rig: Rig, ropes: Ropes, friction: bool) -> None:

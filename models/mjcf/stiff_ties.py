@@ -10,9 +10,10 @@ the rounding of a mass matrix with that entry.
 
 import mujoco
 
-from ..rig.chain import stiff_links
+from ..rig.chain import apart, stiff_links
 from ..rig.rig import Rig
 from .rigging import lay, tidy
+from .spools import hold
 
 HEAVY = 2e8
 """Armature over the mass of all that hangs: with less the link gives way, with more the mass matrix
@@ -25,6 +26,10 @@ DAMPED = 0.7
 
 def add(scene: mujoco.MjSpec, rig: Rig) -> None:
     """Add the links on which nothing swings."""
+    if apart(rig):
+        for link in stiff_links(rig):
+            hold(scene, lay(scene, link.name, link.ends, 1).name)
+        return
     step = scene.option.timestep
     inertia = HEAVY * rig.weight / rig.gravity
     for link in stiff_links(rig):

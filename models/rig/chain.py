@@ -6,6 +6,10 @@ directly or through other masses, sit on one chain, below the frame that carries
 anchors: frames from the ground up, then trolleys, then free pulleys, then loads, then the platform.
 Each body's joints count from the body above it; `flatrig.models.mjcf.rig_state` converts.
 
+Some rigs have no such chain: two frames that hold one load, trolleys on rails that are not
+parallel, two platforms that ropes tie together, a platform below a frame that turns.  Their masses
+stand apart, each a tree of its own, and their ropes are constraints.
+
 A platform ends its chain, since whatever is below it would turn with it.  Its three hinges are its
 Bryant angles, whose first and last axis fall together at beta = +-90 degrees (gimbal lock); a
 platform on ropes does not get there.
@@ -53,15 +57,44 @@ class Body:
 
 @lru_cache(maxsize=64)
 def chain_of(rig: Rig) -> tuple[Body, ...]:
-    """The bodies of a rig's model, each after its parent, in the order of MuJoCo's bodies.
+    """The bodies of a rig's model, each after its parent, in the order of MuJoCo's bodies."""
+    if apart(rig):
+        groups = [[mass] for component in _components(rig) for mass in component]
+        carried = [_own_frame(rig, mass) for (mass,) in groups]
+        return _bodies(rig, groups, carried)
+    components = _components(rig)
+    return _bodies(rig, components, [_carrier(rig, members) for members in components])
+
+
+@lru_cache(maxsize=64)
+def apart(rig: Rig) -> str:
+    """Why no chain of bodies holds what ropes and links tie together; empty if one does.
+
+    Every mass is then a tree of its own, and ropes are constraints (`flatrig.models.mjcf.spools`).
+    """
+    components = _components(rig)
+    try:
+        _bodies(rig, components, [_carrier(rig, members) for members in components])
+    except ModelError as error:
+        return str(error)
+    return ""
+
+
+def _own_frame(rig: Rig, mass: Mass) -> Frame | None:
+    """The frame that carries a mass by itself; None for the world."""
+    return rig.frame(rig.rail(mass.rail).frame) if isinstance(mass, Trolley) else None
+
+
+def _bodies(
+    rig: Rig, components: list[list[Mass]], carried_by: list[Frame | None]
+) -> tuple[Body, ...]:
+    """The bodies of a rig, where these groups of masses hang on these frames.
 
     Raises
     ------
     ModelError
         Ropes tie together what cannot sit on one chain.
     """
-    components = _components(rig)
-    carried_by = [_carrier(rig, members) for members in components]
     chain: list[Body] = []
 
     def hang(frame: Frame | None, above: Body | None) -> None:

@@ -35,8 +35,8 @@ class Description:
     drives: tuple[Drive, ...]
     """Inputs, as many as `outputs` and tensions that `distribution` says."""
     outputs: tuple[str, ...]
-    """Coordinates, combinations and tensions of redundant ropes, "ROPE.tension", that a reference
-    prescribes, in the order of its columns."""
+    """Coordinates, combinations, and tensions of links and redundant ropes, "ROPE.tension", that a
+    reference prescribes, in the order of its columns."""
     frames: tuple[Frame, ...] = ()
     """Structures that move: booms, bridges, gantries; sorted so that each follows its parent."""
     anchors: tuple[Anchor, ...] = ()

@@ -17,7 +17,7 @@ from .description import Description
 from .parts import Load, Platform, Rope
 
 TENSION = ".tension"
-"""Ends the name of an output that is the tension of a rope where it leaves its winch."""
+"""Ends the name of an output that is the tension of a link, or of a rope at its winch."""
 
 
 class Redundant(NamedTuple):

@@ -102,6 +102,7 @@ class Rig(Description):
         points = [end.name for end in ends]
         known = [*self.coordinate_names, *(p.name for p in self.combinations)]
         known += [rope.name + TENSION for found in redundant_bodies(self) for rope in found.ropes]
+        known += [link.name + TENSION for link in self.links]
 
         validation.check_space(self.name, self.dimensions, self.gravity)
         validation.check_names(self.name, [part.name for part in parts])
