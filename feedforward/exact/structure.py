@@ -137,7 +137,7 @@ def analyse_equations(equations: Equations, servo: Servo) -> Analysis:
         for j, order in row.signature().items():
             signature[i, j] = order
     redundant = redundant_bodies(rig)
-    hint = f', such as "{redundant[0].ropes[0].name}{TENSION}"' if redundant else ""
+    hint = f' (tensions such as "{redundant[0].ropes[0].name}{TENSION}", too)' if redundant else ""
     advice = f"check its outputs{hint} and drives{_idle(rig)}"
     partner = _transversal(rig.name, rows, unknowns, signature, advice)
     c, d = _offsets(signature, partner)
