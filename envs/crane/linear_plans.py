@@ -7,7 +7,8 @@ model = along_plan(lineariser, plan)
 from weakref import WeakKeyDictionary
 
 from .courses import planned
-from .linearisation import Lineariser, LinearModel
+from .linear_model import LinearModel
+from .linearisation import Lineariser
 from .plan import CranePlan
 from .task import CraneTask
 

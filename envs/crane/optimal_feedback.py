@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from .geometry import Scales
-from .linearisation import LinearModel
+from .linear_model import LinearModel
 from .outputs import levers
 from .payloads import payloads
 from .riccati import Feedback, Stage, recursion, stationary
