@@ -1,4 +1,4 @@
-"""Linear models of a crane along its plans; `linearisation` makes them, and says what z, v, w are."""
+"""Linear models of a crane along its plans; `linearisation` makes them and explains the letters."""
 
 from dataclasses import dataclass, field, replace
 from typing import Self
