@@ -7,6 +7,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
+import flatrig.envs as envs
 from flatrig import feedforward, models
 from flatrig.feedforward.exact.branch import branch_of
 from flatrig.feedforward.exact.problem import problem_of
@@ -107,6 +108,38 @@ def test_the_navy_crane_works_in_a_third_of_the_sea_and_no_more():
     assert any("rope tagline would have to push from" in problem for problem in rough.problems)
 
 
+def test_episodes_start_in_motion_and_no_action_moves_the_ship():
+    env = envs.Feedforward(envs.PD(gym.make("flatrig/Rig-v0", rig=FILE, sensors="full")))
+    _, info = env.reset(seed=0)
+    task = env.unwrapped.task
+    assert np.abs(info["load"] - info["reference"]).max() < 1e-12
+    assert np.abs(task.plant.drive_rates[0, 3:]).min() > 1e-3
+    for _ in range(200):
+        *_, terminated, _, info = env.step(np.array([0.0, 0.0, 0.0, 1.0, -1.0, 1.0]))
+        assert not terminated
+    assert np.abs(info["load"] - info["reference"]).max() < 1e-3
+    path = feedforward.from_move(MOVE)([200 * task.period])[0]
+    assert task.plant.drive_positions[0, 3:] == pytest.approx(path[3:], abs=1e-5)
+    assert {"heave.position", "pitch.rate"} < set(env.unwrapped.observation_names)
+
+
+def test_one_ship_or_several_to_the_last_bit():
+    options = {"rig": FILE, "sensors": "full", "disturbances": "standard", "reference": "random"}
+    several = gym.make_vec("flatrig/Rig-v0", num_envs=2, nthread=1, **options)
+    alone = [gym.make("flatrig/Rig-v0", **options) for _ in range(2)]
+    seen, _ = several.reset(seed=5)
+    random = np.random.default_rng(0)
+    for number, env in enumerate(alone):
+        assert np.array_equal(env.reset(seed=5 + number)[0], seen[number])
+    for _ in range(20):
+        actions = random.uniform(-0.05, 0.05, (2, 6))
+        seen, rewards, *_ = several.step(actions)
+        for number, env in enumerate(alone):
+            observation, reward, *_ = env.step(actions[number])
+            assert np.array_equal(observation, seen[number])
+            assert reward == rewards[number]
+
+
 def test_files_keep_waves():
     assert models.loads(models.dumps(RIG, MOVE)) == (RIG, MOVE)
     with pytest.raises(PathError, match="wave: period is 0 s, it must be > 0"):
@@ -136,8 +169,6 @@ def test_what_a_base_cannot_be():
 
 def test_what_does_not_hold_a_moving_base_says_so():
     reference = feedforward.from_move(MOVE)
-    with pytest.raises(RigError, match="stands on heave, whose motion is given: environments"):
-        gym.make("flatrig/Rig-v0", rig=RIG, reference=reference)
     with pytest.raises(RigError, match="given: a stream leads what stands at rest"):
         feedforward.Stream(RIG, MOVE.start)
     with pytest.raises(RigError, match="given: no formulation steps through that"):

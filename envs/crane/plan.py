@@ -1,7 +1,7 @@
 """A crane's plan: a reference and its exact feedforward, see `flatrig.envs.plans`."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -35,6 +35,8 @@ class CranePlan(Plan):
     """Where the plan took over from another one, and how that moved."""
     part: Reference | None = None
     """What is followed from there on."""
+    rates: dict[str, float] = field(default_factory=dict, kw_only=True)
+    """Rates of the coordinates at the start [m/s, rad/s], of a base that moves there."""
 
     def state(self, rig: Rig, step: int) -> State:
         """How the rig moves at a step; its `time` is that of the path followed then.
@@ -153,7 +155,10 @@ def _plan(
     goal = motion.drive_positions[len(instants) - 1].copy()
     if left is None:
         start = {name: float(values[0]) for name, values in course.items()}
-        return CranePlan(rows, first * limits, goal, last, start, reference, period, course)
+        names = zip(motion.coordinate_names, motion.velocities[0].tolist(), strict=True)
+        return CranePlan(
+            rows, first * limits, goal, last, start, reference, period, course, rates=dict(names)
+        )
     old = left.plan
     whole = Joined(old.reference, since * period, reference)
     return CranePlan(

@@ -10,21 +10,22 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from ...models.mjcf import rig_model
 from ...models.mjcf.rig_state import State, coordinates, joint_state, points
 from ...models.mjcf.swinging import way
 from ...models.rig.chain import apart, joint_names
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import NOT_FINITE, NOTHING, Ids
-from ..simulations import Simulations, let_errors_show
+from ..simulations import Simulations
 from .disturbances import Scenario
 from .friction_forces import DryFriction, ViscousFriction
 from .geometry import angle_joints, geometry_of, hangers, swing_bodies, turned
-from .link_forces import LinkForces, add_load_cells
+from .link_forces import LinkForces
+from .moving_base import MovingBase
 from .outputs import Outputs
 from .payloads import payloads
 from .plan import CranePlan
+from .plant_model import plant_model
 from .tensions import RopeForces
 from .wind import Wind, heading
 
@@ -66,7 +67,7 @@ class Plant(Simulations[CranePlan, Scenario]):
         nthread: int | None = None,
     ) -> None:
         self.rig = rig
-        model = _model(rig, timestep, friction, rates, massless)
+        model = plant_model(rig, timestep, friction, rates, massless)
         super().__init__(model, num, len(rig.drives), substeps, nthread)
         self.home = np.array(self.model.key_qpos[0])
         self.geometry = geometry_of(rig, self.model, self.home)
@@ -88,11 +89,14 @@ class Plant(Simulations[CranePlan, Scenario]):
         if self.model.tendon_damping.any() or self.model.dof_damping.any():
             self._viscous = ViscousFriction(rig, self.model, self.batch)
         self._wind = Wind(rig, self.model, self.batch)
+        self.base: MovingBase | None = None
         self.qpos[...] = self.home  # a first reset may be of some simulations only
         self.batch.forward()
 
     def step(self, ids: Ids | None = None) -> None:
         """Hold `ctrl` over one control period, in all simulations or some."""
+        if self.base is not None:
+            self.base.lead(ids)
         if self._wind.blowing:
             self._wind.blow()
         if self._friction is None or not self._friction.falling:
@@ -119,6 +123,13 @@ class Plant(Simulations[CranePlan, Scenario]):
         self._forget(ids)
         self.batch.forward(ids, self.stage)
         self._read()
+
+    def set_off(self, ids: Ids, plans: Sequence[CranePlan]) -> None:
+        """Let simulations that stand where their plans begin move as these do."""
+        if self.base is not None:
+            self.base.start(ids, plans)
+            self.batch.forward(ids, self.stage)
+            self._read()
 
     def at_rest(self, plan: CranePlan) -> Array:
         """Joints (nq,) where a plan begins."""
@@ -266,29 +277,3 @@ class Plant(Simulations[CranePlan, Scenario]):
             for axis in self.rig.axes:
                 values[f"{name}.{axis}"] = swung["xyz".index(axis), None]
         return np.asarray(joint_state(self.rig, self.model, values).qpos[0])
-
-
-def _model(
-    rig: Rig, timestep: float, friction: bool, rates: bool, massless: float | None
-) -> mujoco.MjModel:
-    """The rig's bare physics, with the loads' velocities as sensors if asked for."""
-
-    def extend(scene: mujoco.MjSpec) -> None:
-        let_errors_show(scene)
-        for part in rig.hanging if rates else ():
-            scene.add_sensor(
-                name=f"{part.name}.velocity",
-                type=mujoco.mjtSensor.mjSENS_FRAMELINVEL,
-                objtype=mujoco.mjtObj.mjOBJ_SITE,
-                objname=part.name,
-            )
-        add_load_cells(scene, rig)
-
-    return rig_model.compile(
-        rig,
-        timestep=timestep,
-        visuals=False,
-        friction=friction,
-        massless=massless,
-        extend=extend,
-    )

@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from ... import models
 from ...models.errors import OptionError
-from ...models.rig.given import refuse_given
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import Ids, none_of
@@ -32,6 +31,7 @@ from .disturbances import Disturbances, Scenario
 from .drive_band import PowerLimits, band_of
 from .lead import Line
 from .load_sensors import SWAY, LoadSensors, SwaySensors
+from .moving_base import MovingBase, given_drives
 from .observation import observation_of
 from .outputs import levers
 from .plan import CranePlan, layout_of, redirected
@@ -99,7 +99,6 @@ class CraneTask(Task[CranePlan, Scenario]):
         nthread: int | None = None,
     ) -> None:
         self.rig, move = rig_and_move(rig)
-        refuse_given(self.rig.name, self.rig.frames, "environments stand on bases at rest")
         self.massless = massless
         substeps = self._prepare(num, sensors, rate, timestep, hold, nthread)
         self.disturbances = Disturbances.of(disturbances, self.rig)
@@ -121,6 +120,9 @@ class CraneTask(Task[CranePlan, Scenario]):
         self._power = PowerLimits(self.plant, self.limits)
         arms, band = levers(self.rig, self.scales), band_of(self.rig, self.period)
         self._start(layout_of(self.rig), arms, self.scales.length, band)
+        if given_drives(self.rig):
+            model, batch = self.plant.model, self.plant.batch
+            self.plant.base = MovingBase(self.rig, model, batch, self.rows, self.limits)
 
     @property
     def action_names(self) -> tuple[str, ...]:
@@ -136,6 +138,10 @@ class CraneTask(Task[CranePlan, Scenario]):
     ) -> None:
         """Begin new episodes in some simulations, see `flatrig.envs.episodes.Task.reset`."""
         super().reset(ids, generators, scenarios, references)
+        if self.plant.base is not None:
+            self.plant.set_off(ids, self.plans)
+            drawn = [self.scenarios[sim] for sim in ids.tolist()]
+            self.encoders.reset(ids, drawn, self.rows.parts["drives"])
         for sim in ids.tolist():
             self._lines.pop(sim, None)
         if self.loads is not None:

@@ -90,7 +90,7 @@ def _sizing(motion: Motion, i: int) -> Sizing:
     arm = motion.rig.arm(drive)
     inputs, speeds = motion.inputs[:, i], motion.drive_velocities[:, i] / arm
     unit = driven_unit(motion.rig, drive)
-    power = inputs * speeds * unit.startswith("N")
+    power = inputs * speeds * unit.startswith("N") + 0.0  # an acceleration has none
     return Sizing(
         drive=drive.name,
         unit=unit,
