@@ -48,7 +48,7 @@ class MovingBase:
         """Put the bases of all simulations or some where their plans are, for one period."""
         parts, sims = self._rows.parts, self._every if ids is None else ids
         count = parts["drives"].shape[1] // 2
-        here, columns = np.ix_(sims, self._joints), np.array(self._drives)
+        here, columns = np.ix_(sims, np.array(self._joints)), np.array(self._drives)
         self._qpos[here] = parts["drives"][np.ix_(sims, columns)]
         self._qvel[here] = parts["drives"][np.ix_(sims, columns + count)]
         planned = parts["feedforward"][np.ix_(sims, columns)]
