@@ -7,6 +7,8 @@ Each drive gets the friction expected at the speed that the reference asks for, 
 reads.  The reference's speed is smooth and early; the measured one also helps feedback on, but
 chatters about zero speed and comes as late as the drives.
 
+Friction that the rig is described with is in the feedforward already; this is what comes on top.
+
 Limits: at rest nothing is added, so a drive that sticks away from its reference stays there.  K
 keeps the winches trembling to avoid that; there is no such excitation here.
 """

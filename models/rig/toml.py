@@ -3,8 +3,9 @@
 A file holds the fields of `Rig` by their names, each kind of part as an array of tables
 (`[[frames]]`, `[[anchors]]`, `[[rails]]`, `[[trolleys]]`, `[[loads]]`, `[[platforms]]`,
 `[[ropes]]` with `[[ropes.sheaves]]`, `[[links]]`, `[[combinations]]`, `[[drives]]`), `[home]`, and
-a `[move]` if it has one.  A part that rubs has `friction = {coulomb = 2.0, viscous = 80.0}`.
-Instead of parts it may name a rig of the catalogue, with overrides:
+a `[move]` if it has one.  `[distribution]` names wanted tensions of redundant ropes.  A part that
+rubs has `friction = {coulomb = 2.0, viscous = 80.0}`.  Instead of parts it may name a rig of the
+catalogue, with overrides:
 
     rig = "overhead_crane"
     load_mass = 80.0

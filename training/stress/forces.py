@@ -124,30 +124,32 @@ class Seen:
     @cached_property
     def tensions(self) -> Array:
         """Of the ropes at their winches from their own equations, T = (J/r^2) w'' - u/r + F."""
-        return np.stack([a + b for a, b in self._pulls], axis=1)
+        return np.stack([a + b for a, b, _ in self._pulls], axis=1)
 
     @property
-    def _pulls(self) -> list[tuple[Array, Array]]:
-        """What turns a winch faster, and what its torque takes."""
+    def _pulls(self) -> list[tuple[Array, Array, Array]]:
+        """What turns a winch faster, what its torque takes, and the size of both."""
         lengths, rig = rope_lengths(self.rig, self.world), self.rig
         torques = {drive.on: column for column, drive in enumerate(rig.drives)}
         pulls = []
         for rope in rig.ropes:
+            turn = rope.winch_inertia / rope.drum_radius**2 * lengths[rope.name][2]
             if rope.name in torques:
-                pull = -self._given[:, torques[rope.name]]
+                pull, size = (part[:, torques[rope.name]] for part in self._given)
             else:
-                pull = rubbed(rope.friction, lengths[rope.name][1])
-            pulls.append((rope.winch_inertia / rope.drum_radius**2 * lengths[rope.name][2], pull))
+                pull = -rubbed(rope.friction, lengths[rope.name][1])
+                size = np.abs(pull)
+            pulls.append((turn, -pull, np.abs(turn) + size))
         return pulls
 
     @cached_property
-    def _given(self) -> Array:
-        """What drives give along their coordinates, (N, drives)."""
+    def _given(self) -> tuple[Array, Array]:
+        """What drives give along their coordinates, and the size of its parts, (N, drives)."""
         return given(self.motion)
 
     def winches(self) -> float:
         """By how much tensions miss their winches' equations, over the forces in these."""
-        size = np.stack([np.abs(a) + np.abs(b) for a, b in self._pulls], axis=1)
+        size = np.stack([size for *_, size in self._pulls], axis=1)
         if self.rig.pushing:  # it may be unloaded, up to rounding
             size = np.maximum(size, UNLOADED * size.max())
         return _largest(self.motion.tensions[:, : len(self.rig.ropes)] - self.tensions, size)
@@ -216,8 +218,8 @@ class Seen:
         """A force that a part misses, and the forces' size, with what its drive gives."""
         for column, drive in enumerate(self.rig.drives):
             if drive.on == part:
-                missing = missing + self._given[:, column]
-                return missing, size + np.abs(self._given[:, column])
+                force, strength = (part[:, column] for part in self._given)
+                return missing + force, size + strength
         (own,) = (other for other in self.rig.drivable if other.name == part)
         return missing - rubbed(own.friction, self.coordinates[own.coordinate][1]), size
 
@@ -265,7 +267,7 @@ class Seen:
     def slack(self) -> float:
         """The largest tension whose sign the motion's intervals of slack tell wrongly, relative."""
         times = self.motion.times
-        size = np.stack([np.abs(a) + np.abs(b) for a, b in self._pulls], axis=1)
+        size = np.stack([size for *_, size in self._pulls], axis=1)
         wrong = 0.0
         for column, rope in enumerate(self.rig.ropes):
             if rope.pushes:

@@ -20,17 +20,22 @@ def rubbed(friction: Friction, rates: Array) -> Array:
     return friction.coulomb * moving + friction.viscous * rates
 
 
-def given(motion: Motion) -> Array:
-    """Force [N] or torque [N m] that moves each driven coordinate, (N, drives)."""
-    rig, columns = motion.rig, []
+def given(motion: Motion) -> tuple[Array, Array]:
+    """Force [N] or torque [N m] that moves each driven coordinate, (N, drives), and its size.
+
+    The size is what comes from the motor and what friction takes, their magnitudes together.
+    """
+    rig, columns, sizes = motion.rig, [], []
     for i, drive in enumerate(rig.drives):
         rates, inputs = motion.drive_velocities[:, i], motion.inputs[:, i]
         way = np.where(np.abs(rates) > REST, np.sign(rates), 0.0) * np.sign(inputs)
         kept = np.where(way > 0, drive.efficiency, np.where(way < 0, 1.0 / drive.efficiency, 1.0))
         radius = _radius(rig, drive)
         force = inputs * kept * drive.gear / radius
-        columns.append(force - rubbed(rig.driven(drive).friction, rates))
-    return np.stack(columns, axis=1)
+        taken = rubbed(rig.driven(drive).friction, rates)
+        columns.append(force - taken)
+        sizes.append(np.abs(force) + np.abs(taken))
+    return np.stack(columns, axis=1), np.stack(sizes, axis=1)
 
 
 def smooth_twin(motion: Motion) -> Motion:
@@ -56,7 +61,7 @@ def smooth_twin(motion: Motion) -> Motion:
     )
     if twin == rig:
         return motion
-    forces, columns = given(motion), []
+    forces, columns = given(motion)[0], []
     for i, drive in enumerate(drives):
         viscous = rig.driven(drive).friction.viscous * motion.drive_velocities[:, i]
         columns.append((forces[:, i] + viscous) * _radius(rig, drive) / drive.gear)
