@@ -139,7 +139,18 @@ class SampledPath(ReferencePath):
         result = self._along(self._spline, times, order)
         result[0, times <= 0] = self.points[0]
         result[0, times >= self.duration] = self.points[-1]
+        result[0, :, self._still], result[1:, :, self._still] = self._at_rest, 0.0
         return result
+
+    @cached_property
+    def _still(self) -> list[int]:
+        """Columns that do not move: a spline's rounding would have them start moving."""
+        return np.flatnonzero(np.ptp(np.array(self.points), axis=0) == 0.0).tolist()
+
+    @property
+    def _at_rest(self) -> Array:
+        """Where they are, shape (columns, 1)."""
+        return np.array(self.points[0])[self._still][:, None]
 
     def _along(self, spline: BSpline, times: Array, order: int) -> Array:
         """Derivatives of a spline over the path's times, at rest outside."""

@@ -19,6 +19,7 @@ from flatrig.feedforward import (
     solve,
     three_phase,
 )
+from flatrig.feedforward.paths.consistency import accept_rest
 from flatrig.feedforward.paths.recordings import SampledPath
 from flatrig.feedforward.paths.splines import least_squares
 from flatrig.models.errors import PathError
@@ -253,3 +254,14 @@ def test_errors(call, message):
     with pytest.raises(PathError, match="^" + re.escape(message)) as caught:
         call()
     assert "\n" not in str(caught.value)
+
+
+def test_a_column_that_does_not_move_starts_at_rest():
+    """The spline's rounding of a constant is no motion, however small the others' derivatives."""
+    times = np.linspace(0.0, 40.0, 401)
+    moving = rest_to_rest((0.0,), (6.0,), 40.0, order=4)(times)[:, 0]
+    path = sampled(times, np.column_stack((moving, np.full_like(times, -12.0))), order=4)
+    derivatives = path.derivatives(np.linspace(-1.0, 41.0, 85), 4)
+    assert (derivatives[0, :, 1] == -12.0).all()
+    assert not derivatives[1:, :, 1].any()
+    accept_rest(path, ("load.x", "load.z"), 4)
