@@ -79,7 +79,7 @@ def luffing_crane(
         ),
         drives=(
             Drive("slew", on="tower", limit=0.04 * weight * jib_length),
-            Drive("luff", on="luffing", limit=0.35 * drum_radius * (weight + 0.5 * jib_weight)),
+            Drive("luff", on="luffing", limit=0.4 * drum_radius * (weight + 0.5 * jib_weight)),
             Drive("winch", on="hoist", limit=0.7 * drum_radius * weight),
         ),
         outputs=("load.x", "load.y", "load.z"),
@@ -146,9 +146,9 @@ def knuckle_crane(
         ropes=(Rope("hoist", ("tip", "load"), drum_radius, winch_inertia),),
         drives=(
             Drive("slew", on="column", limit=0.12 * reach * weight),
-            Drive("boom", on="boom", limit=1.15 * (reach * weight + boom_torque)),
+            Drive("boom", on="boom", limit=1.25 * (reach * weight + boom_torque)),
             Drive("jib", on="jib", limit=1.25 * jib_length * (weight + 0.5 * jib_mass * gravity)),
-            Drive("winch", on="hoist", limit=1.4 * drum_radius * weight),
+            Drive("winch", on="hoist", limit=1.45 * drum_radius * weight),
         ),
         outputs=("load.x", "load.y", "load.z", "jib.angle"),
         home={"column": 0.0, "boom": 0.6, "jib": -1.2, "load": (reach * cos(0.6), 0.0, 2.0)},

@@ -24,7 +24,7 @@ GENTLE = {
     CABLEV: feedforward.rest_to_rest(
         (1.35, 1.2, -3, 0, 0, 0, SPREAD), (1.6, 1.4, -2.7, 0.1, -0.05, 0.2, SPREAD), 4.0
     ),
-    "flatrig/LuffingCrane-v0": feedforward.rest_to_rest((30, 0, 8), (29.5, 0.5, 8.5), 6.0),
+    "flatrig/LuffingCrane-v0": feedforward.rest_to_rest((30, 0, 8), (29.8, 0.2, 8.2), 8.0),
     "flatrig/KnuckleCrane-v0": feedforward.rest_to_rest((31, 0, 2, -1.2), (30, 1, 3, -1.1), 5.0),
     "flatrig/DoublePendulumCrane-v0": feedforward.rest_to_rest(
         (3, 2, -7), (4, 2.5, -6.5), 5.0, order=6
