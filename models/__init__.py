@@ -50,6 +50,7 @@ from .rig.rig import (
     require_rig,
 )
 from .rig.spreader_cranes import container_crane, double_pendulum_crane
+from .rig.tandem_cranes import tandem_lift
 from .rig.toml import dump, dumps, load, load_move, loads
 from .rig.trolley_cranes import (
     cantilever_crane,
@@ -133,6 +134,7 @@ __all__ = [
     "roped_overhead_crane",
     "rotary_crane",
     "rotary_crane_small",
+    "tandem_lift",
     "three_finger_hand",
     "two_finger_hand",
     "two_masses",

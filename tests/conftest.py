@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from flatrig.models import Anchor, Drive, Frame, Load, Rail, Rig, Rope, Trolley
-from flatrig.models.rig.chain import chain_of
+from flatrig.models.mjcf.ropes import home_length
+from flatrig.models.rig.chain import apart, chain_of
 
 # Tables are as wide as in a file, whatever the terminal, or the processes that tests share, say.
 os.environ.pop("COLUMNS", None)
@@ -109,6 +110,8 @@ def random_states():
     def draw(rig, count=20):
         generator = np.random.default_rng(7)
         home = np.array([value for link in chain_of(rig) for value in link.home])
+        if apart(rig):  # its ropes have spools
+            home = np.append(home, [home_length(rig, rope) for rope in rig.ropes])
         limits = np.array([drive.limit for drive in rig.drives])
         return (
             home + generator.uniform(-0.8, 0.8, (count, len(home))),

@@ -29,6 +29,10 @@ SOFTEST, HARDEST = 1e-4, 0.9999
 """Between which MuJoCo keeps impedances (mjMINIMP, mjMAXIMP)."""
 
 
+UNBOUNDED = 1e12
+"""What an equality that holds a rope can bear [N]."""
+
+
 class Places:
     """Where a rig's drives rub: tendons and joints of its model."""
 
@@ -54,6 +58,8 @@ class DryFriction:
         num, freedoms = batch.nsim, model.nv
         self._at = at = Places(rig, model)
         self._tendons = at.ropes + at.sums
+        self._held = [int(tendon) for tendon in model.eq_obj1id]
+        """Tendons that an equality holds, whose forces are no friction."""
         self._slides = at.slides + (at.frames if frames else [])
         self._on_tendon = batch.expand("tendon_frictionloss")
         self._on_joint = batch.expand("dof_frictionloss")
@@ -63,17 +69,20 @@ class DryFriction:
         self._surplus, self._falling = np.zeros((num, 1)), np.ones((num, 1))
         self._force = batch.bind("qfrc_constraint")
         self._sparse = batch.bind("ten_J")
+        rubbing, held = self._tendons + self._held, len(self._held)
+        freely = len(self._tendons) + len(self._slides)
+        rows = [*range(len(self._tendons)), *range(freely, freely + held)]
         self._places = [
             (row, slice(start, start + count), model.ten_J_colind[start : start + count])
-            for row, (start, count) in enumerate(
-                zip(
-                    model.ten_J_rowadr[self._tendons].tolist(),
-                    model.ten_J_rownnz[self._tendons].tolist(),
-                    strict=True,
-                )
+            for row, start, count in zip(
+                rows,
+                model.ten_J_rowadr[rubbing].tolist(),
+                model.ten_J_rownnz[rubbing].tolist(),
+                strict=True,
             )
         ]
-        self._directions = np.zeros((num, len(self._tendons) + len(self._slides), freedoms))
+        self._unbounded = np.full((num, held), UNBOUNDED)
+        self._directions = np.zeros((num, freely + held, freedoms))
         self._crowded = None
         if self._directions.shape[1] > freedoms:
             self._crowded = SoftFriction(model, batch, self._tendons, self._slides)
@@ -115,7 +124,12 @@ class DryFriction:
         for row, part, columns in self._places:
             directions[:, row, columns] = self._sparse[:, part]
         bearable = np.concatenate(
-            (self._on_tendon[:, self._tendons], self._on_joint[:, self._slides]), axis=-1
+            (
+                self._on_tendon[:, self._tendons],
+                self._on_joint[:, self._slides],
+                self._unbounded,
+            ),
+            axis=-1,
         )
         if self._crowded is not None:
             return self._crowded.forces(directions, bearable)[:, : len(self._at.ropes)]

@@ -27,6 +27,7 @@ import numpy as np
 
 from ...models.errors import OptionError
 from ...models.mjcf.rig_state import joint_state
+from ...models.rig.chain import apart
 from ...models.types import Array
 from ..controllers import PDLaw
 from ..laws import AnyEnv, Law, laws_of, refuse_below, task_of, wrap
@@ -142,12 +143,16 @@ def Shaper(env: AnyEnv) -> Any:
     ------
     OptionError
         `env` is no crane, has no `PD` with track="set point" below, or a `Shaper` or a `Residual`
-        stands there.
+        stands there, or the crane's ropes are constraints in MuJoCo.
     """
     task = task_of(env)
     if not isinstance(task, CraneTask):
         raise OptionError(f"{env} is no crane, Shaper is for loads that swing")
     refuse_below(env, "Shaper")
+    if apart(task.rig):
+        raise OptionError(
+            f"Shaper knows no mode of rig {task.rig.name}, whose ropes are constraints in MuJoCo"
+        )
     laws = [law for law in laws_of(env) if isinstance(law, PDLaw) and not law.moving]
     if not laws:
         raise OptionError(

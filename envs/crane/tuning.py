@@ -34,6 +34,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from ...models.mjcf.armature import tendon_jacobian
 from ...models.mjcf.rig_state import joint_state
 from ...models.rig.frames import rises
 from ...models.rig.rig import Frame, Rope, Trolley
@@ -103,6 +104,9 @@ def inertia_matrices(plant: Plant, joints: Array) -> Array:
         Where it is, shape (N, joints).
     """
     masses, gradients = gradients_of(plant, joints)
+    if plant.model.neq:  # ropes that are constraints leave but some ways free
+        free = _free_ways(plant.model, joints)
+        masses, gradients = free.swapaxes(1, 2) @ masses @ free, gradients @ free
     mobility = gradients @ np.linalg.solve(masses, gradients.swapaxes(1, 2))
     drives, joints_of = gradients.shape[1:]
     if drives > joints_of:  # more ropes than freedoms: none feels what cannot move
@@ -131,7 +135,19 @@ def gradients_of(plant: Plant, joints: Array) -> tuple[Array, Array]:
             data.moment_colind,
         )  # fmt: skip
     # A motor's moment is its gear times the gradient of its coordinate.
-    return masses, moments / _gears(plant)[:, None]
+    gradients = moments / _gears(plant)[:, None]
+    return masses, gradients
+
+
+def _free_ways(model: mujoco.MjModel, joints: Array) -> Array:
+    """Directions of joints (N, joints) that no equality forbids, (N, joints, directions)."""
+    data, ways = mujoco.MjData(model), []
+    for position in joints:
+        data.qpos[:] = position
+        mujoco.mj_fwdPosition(model, data)
+        held = tendon_jacobian(model, data)[model.eq_obj1id]
+        ways.append(np.linalg.svd(held)[2][len(held) :].T)
+    return np.array(ways)
 
 
 def forces_of(plant: Plant) -> Array:

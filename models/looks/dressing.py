@@ -17,6 +17,8 @@ from .booms import Boom
 from .drawing import Painter
 from .setting import ROPES, WAY, Sizes, rail_ends
 
+STRUT = 0.3
+"""Radius of a link that can push, in units."""
 IN_TOWER = 1.0
 """How near to the axis of a turning frame an anchor lies in the tower's head, in units."""
 
@@ -60,7 +62,9 @@ def dress(
     dressing.anchors()
     dressing.masses()
     for link in stiff_links(rig):
-        scene.tendon(link.name).material = ROPES[0]
+        scene.tendon(link.name).material = "structure" if link.pushes else ROPES[0]
+        if link.pushes:
+            scene.tendon(link.name).width = round(STRUT * size.unit, 4)
     for index, rope in enumerate(rig.ropes):
         scene.tendon(rope.name).material = ROPES[index % len(ROPES)]
         for sheave in rope.sheaves:
@@ -86,7 +90,9 @@ class _Dressing:
             structures.lantern(self.paint, body, frame.name)
         if not any(boom.frame == frame.name for boom in self.booms):
             top = -structures.LANTERN if inside else structures.RING
-            structures.tower(self.paint, self.bodies[WORLD], frame.name, top * self.size.unit)
+            x, y, z = frame.origin if frame.parent == WORLD else (0.0, 0.0, 0.0)
+            height = z + top * self.size.unit
+            structures.tower(self.paint, self.bodies[WORLD], frame.name, height, (x, y))
 
     def sliding_frame(self, frame: Frame) -> None:
         """A bridge on two runways, or a portal on wheels if it runs along its rail."""

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from ..rig.frames import outwards, rises
-from ..rig.rig import Frame, Rail, Rig
+from ..rig.rig import WORLD, Frame, Rail, Rig
 from ..types import Array
 from .booms import Boom
 
@@ -101,6 +101,7 @@ def sizes(rig: Rig, booms: Sequence[Boom]) -> Sizes:
     if turning:
         angles = np.linspace(0, 2 * np.pi, 16, endpoint=False)
         radius = max(float(np.hypot(spot[0], spot[1])) for spot in spots)
+        radius = max(radius, *(_swept(rig, frame) for frame in rig.frames))
         circle = [np.array([radius * np.cos(a), radius * np.sin(a), top]) for a in angles]
         spots += [*circle, *(point - [0, 0, reach] for point in circle)]
     cloud = np.array(spots)
@@ -115,6 +116,14 @@ def sizes(rig: Rig, booms: Sequence[Boom]) -> Sizes:
     upper, lower = flat.copy(), flat.copy()
     upper[:, 2], lower[:, 2] = high, low
     return Sizes(np.vstack([upper, lower]), unit, reach)
+
+
+def _swept(rig: Rig, frame: Frame) -> float:
+    """How far from the middle a frame that turns beside it may have the ends of its rails [m]."""
+    rails = [rail for rail in rig.rails if rail.frame == frame.name]
+    beside = float(np.hypot(*frame.origin[:2])) if frame.parent == WORLD else 0.0
+    ends = [rail.end for rail in rails if np.isfinite(rail.end)]
+    return beside + max(ends, default=0.0) if beside and rails else 0.0
 
 
 def _hanging(rig: Rig) -> list[str]:

@@ -70,7 +70,8 @@ def joint_state(
     rates
         Their rates [m/s, rad/s]; a coordinate without one is at rest.
     tensions
-        Tensions that stretch the ropes which can stretch, (N, ropes) or one number [N].
+        Tensions that stretch the ropes which can stretch, (N, ropes), those of links after them or
+        not, or one number [N].
 
     Raises
     ------

@@ -182,8 +182,12 @@ def stiffness(model: Any, rope: Rope) -> float:
 
 
 def stretches(rig: Rig, model: Any, tensions: ArrayLike) -> Array:
-    """Stretch L - w of each rope at rest under tensions (N, ropes) [N], (N, ropes) [m]."""
+    """Stretch L - w of each rope at rest under tensions [N], (N, ropes) [m].
+
+    Tensions are (N, ropes), or (N, ropes + links) as a motion has them.
+    """
     pull = reals("tensions", tensions)
+    pull = pull[..., : len(rig.ropes)] if pull.ndim else pull
     stiff = np.array([stiffness(model, rope) for rope in rig.ropes])
     return np.asarray(pull / stiff)
 

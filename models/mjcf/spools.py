@@ -28,6 +28,10 @@ LIMIT_STEPS = 4.0
 """Time constant of a rope's limit in time steps.  With half of it, MuJoCo's least, a load ends
 three times nearer (4e-6 m against 1e-5 m at 1 ms), but tensions are three times as noisy."""
 
+PRECISE = 1e-14
+"""Tolerance of MuJoCo's solver, whose default of 1e-8 leaves tensions uncertain by 1e-5 where
+friction acts beside equalities."""
+
 EQUALITY_STEPS = 2.0
 """The same of an equality, MuJoCo's least."""
 
@@ -56,6 +60,7 @@ def _add(scene: mujoco.MjSpec, rig: Rig, rope: Rope, ropes: Ropes) -> float:
     home, whole = home_length(rig, rope), reach(rig, rope)
     body = scene.worldbody.add_body(name=spool(rope), pos=[whole - home, 0, 0])
     body.mass, body.inertia, body.explicitinertial = BODY_MASS, [BODY_MASS] * 3, True
+    body.ipos = [0, 0, 0]
     body.add_site(name=spool(rope))
     joint = body.add_joint(name=spool(rope), type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[-1, 0, 0])
     joint.ref, joint.armature = home, tidy(rope.inertia_along)
@@ -64,6 +69,7 @@ def _add(scene: mujoco.MjSpec, rig: Rig, rope: Rope, ropes: Ropes) -> float:
     spring = ropes.spring(rig, rope)
     if ropes.kind == "equality":
         hold(scene, tendon.name)
+        tendon.group = 3  # hidden: it lies on its rope, and leads far away
     elif spring:
         tendon.stiffness[0] = spring
         tendon.springlength = [0 if ropes.kind == "slack" else whole, whole]
@@ -78,8 +84,9 @@ def hold(scene: mujoco.MjSpec, tendon: str) -> None:
     """Keep a tendon at its length at home, and leave that on."""
     off, flags = mujoco.mjtDisableBit, scene.option.disableflags
     if flags & int(off.mjDSBL_CONSTRAINT):
-        flags |= int(off.mjDSBL_FRICTIONLOSS)
+        flags |= int(off.mjDSBL_FRICTIONLOSS) | int(off.mjDSBL_LIMIT)
     scene.option.disableflags = flags & ~int(off.mjDSBL_CONSTRAINT) & ~int(off.mjDSBL_EQUALITY)
+    scene.option.tolerance = PRECISE
     equal = scene.add_equality(name=tendon, type=mujoco.mjtEq.mjEQ_TENDON)
     equal.name1, equal.objtype = tendon, mujoco.mjtObj.mjOBJ_TENDON
     equal.data[:5] = [0.0, 1.0, 0.0, 0.0, 0.0]
@@ -91,6 +98,8 @@ def allow(scene: mujoco.MjSpec, rig: Rig, ropes: Ropes, friction: bool) -> None:
     """Leave on what of MuJoCo's constraints the ropes' limits need, and nothing else."""
     if all(ropes.spring(rig, rope) for rope in rig.ropes):
         return
+    if ropes.kind == "equality":
+        scene.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_LIMIT)
     off = mujoco.mjtDisableBit
     scene.option.disableflags &= ~int(off.mjDSBL_CONSTRAINT)
     if not friction:

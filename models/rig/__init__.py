@@ -10,6 +10,7 @@ from . import manipulators as manipulators
 from . import boom_cranes as boom_cranes
 from . import spreader_cranes as spreader_cranes
 from . import cable_robots as cable_robots
+from . import tandem_cranes as tandem_cranes
 # isort: on
 
 from .rig import (

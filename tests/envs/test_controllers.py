@@ -32,6 +32,9 @@ GENTLE = {
     "flatrig/CableRobot-v0": feedforward.rest_to_rest(
         (0, 0, 1.5, 0, 0, 0), (1, 0.5, 2, 0, 0, 0.1), 4.0
     ),
+    "flatrig/TandemLift-v0": feedforward.rest_to_rest(
+        (-5, 0, -10, 0, -10, 7), (-5, 0.5, -9.5, 0.5, -9.5, 7), 5.0
+    ),
     "flatrig/ContainerCrane-v0": feedforward.rest_to_rest(
         (10, -24, 0, 0, 0), (13, -23, 0, 0, 0), 6.0
     ),

@@ -17,7 +17,7 @@ from flatrig.models.mjcf.rig_state import tensions
 
 NAMES = list(envs.ENVIRONMENTS)
 LARGE = ("flatrig/LuffingCrane-v0", "flatrig/KnuckleCrane-v0")
-LARGE += ("flatrig/DoublePendulumCrane-v0", "flatrig/ContainerCrane-v0")
+LARGE += ("flatrig/DoublePendulumCrane-v0", "flatrig/ContainerCrane-v0", "flatrig/TandemLift-v0")
 SENSORS = ("encoders", "full")
 OVERHEAD = "flatrig/OverheadCrane-v0"
 NAVY = "flatrig/NavyCrane3D-v0"
@@ -278,7 +278,8 @@ def test_tension_is_the_exact_one(name):
 def mujoco_tensions(plant, scenario):
     """Tensions of the ropes, and the friction along them that MuJoCo's solver found."""
     rig = plant.rig
-    model = models.compile(rig, visuals=False, friction=True)
+    timestep = plant.model.opt.timestep
+    model = models.compile(rig, visuals=False, friction=True, timestep=timestep)
     for load in payloads(rig):
         model.body(load.name).mass *= scenario.load_mass
         model.body(load.name).inertia *= scenario.load_mass
@@ -306,8 +307,9 @@ def mujoco_tensions(plant, scenario):
     found = tensions(carried, data.qpos, data.qvel, data.qacc, data.ctrl, friction)
     for column, link in enumerate(rig.links, start=len(rig.ropes)):
         above, below = (data.site(end).xpos for end in link.ends)
-        wind = data.xfrc_applied[model.body(link.ends[1]).id, :3]
-        # Least squares ask hook and payload alike, and only one of them has wind.
+        first, second = (data.xfrc_applied[model.body(end).id, :3] for end in link.ends)
+        wind = second - first
+        # Least squares ask both ends alike, of which a hook has no wind.
         found[column] += 0.5 * wind @ (below - above) / np.linalg.norm(below - above)
     return found, friction
 

@@ -12,9 +12,10 @@ from flatrig import models
 from flatrig.models import ModelError
 from flatrig.models.mjcf import armature, rig_model, rig_state, simulate
 from flatrig.models.rig import lengths
-from flatrig.models.rig.chain import joint_names
+from flatrig.models.rig.chain import apart, joint_names
 
-RIGS = [*models.CATALOGUE, "cantilever", "gantry", "planar navy", "navy", "four falls"]
+ON_CHAINS = [name for name in models.CATALOGUE if not apart(models.make(name))]
+RIGS = [*ON_CHAINS, "cantilever", "gantry", "planar navy", "navy", "four falls"]
 
 
 @pytest.fixture(params=RIGS)
@@ -156,9 +157,10 @@ def test_home_is_at_rest_under_its_inputs(name):
     home = model.key("home")
     np.testing.assert_allclose(home.qpos, model.qpos0, atol=1e-15)
     qacc = simulate.accelerations(model, home.qpos, np.zeros(model.nv), home.ctrl)
-    assert abs(qacc).max() < 1e-9  # the inputs are rounded to 1e-9
+    # The inputs are rounded to 1e-9; what equalities hold, so is their stretch.
+    assert abs(qacc).max() < (1e-7 if model.neq else 1e-9)
     tensions = rig_state.tensions(rig, home.qpos, np.zeros(model.nv), qacc[0], home.ctrl)
-    assert (tensions > 0).all()
+    assert (tensions[list(rig.pulling)] > 0).all()
     places = {name: point[0] for name, point in rig_state.points(rig, home.qpos, home.qvel).items()}
     for mass in (*rig.loads, *rig.platforms):
         np.testing.assert_allclose(places[mass.name], rig.home[mass.name], rtol=0, atol=1e-12)

@@ -45,7 +45,7 @@ GOALS: dict[str, tuple[float | None, float | None]] = {
     "knuckle_crane": (4e-4, 4e-4),
 }
 """Goals for the largest distance on the way and for that at arrival [m], where there are some."""
-TENSION_GOALS = {"luffing_crane": 0.2, "knuckle_crane": 0.5}
+TENSION_GOALS = {"luffing_crane": 0.2, "knuckle_crane": 0.5, "tandem_lift": 5e-3}
 """Other goals for tensions [N]: of booms that fall away, and pull with tons."""
 
 

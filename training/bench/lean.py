@@ -115,14 +115,20 @@ def on(model: mujoco.MjModel) -> set[str]:
 def idle(model: mujoco.MjModel) -> list[str]:
     """What a headless scene carries without a use, in words: looks, tendons, features.
 
-    Points' sites count as used: they are where a point is looked up.
+    Points' sites count as used: they are where a point is looked up.  So do tendons along ropes
+    that are constraints: their lengths are read there.
     """
     unused = [f"{count} {kind}" for kind, count in _looks(model).items() if count]
     driven = model.actuator_trnid[model.actuator_trntype == mujoco.mjtTrn.mjTRN_TENDON, 0]
+    held = [model.tendon(i).name for i in model.eq_obj1id]
+    ways = {name.removesuffix(".stretch") for name in held}
     for i in range(model.ntendon):
         acts = (model.tendon_armature, model.tendon_stiffness, model.tendon_limited)
-        if i not in driven and not any(np.any(values[i]) for values in acts):
-            unused.append(f"tendon {model.tendon(i).name}")
+        name = model.tendon(i).name
+        if i in driven or i in model.eq_obj1id or name in ways:
+            continue
+        if not any(np.any(values[i]) for values in acts):
+            unused.append(f"tendon {name}")
     extra = on(model).intersection(CONSTRAINTS) - used(model)
     return unused + [f"feature {name}" for name in sorted(extra)]
 
