@@ -81,8 +81,7 @@ class _Builder:
 
     def _coordinates(self) -> list[str]:
         """Frames, trolleys, ropes, loads as in `Rig.coordinate_names`, then the auxiliary ones."""
-        rig = self.rig
-        names: list[str] = []
+        rig, names = self.rig, list[str]()
         left_out = (*rig.platform_angles, *rig.held)
         for name in rig.coordinate_names:
             frame = next((f for f in rig.frames if f.coordinate == name), None)
