@@ -1,11 +1,21 @@
 """Two cranes that carry one load."""
 
 from ..arguments import of_numbers
+from .catalogue import CATALOGUE
 from .link import Link
+from .move import Move
 from .rig import Drive, Frame, Load, Rail, Rig, Rope, Trolley
 from .trolley_cranes import GRAVITY
 
 
+@CATALOGUE.add(
+    move=Move(
+        start=(-5.0, 0.0, -10.0, 0.0, -10.0, 7.0),
+        goal=(-6.0, 2.5, -7.0, 3.0, -7.0, 6.5),
+        duration=16.0,
+    ),
+    environment="TandemLift",
+)
 @of_numbers
 def tandem_lift(
     *,

@@ -14,6 +14,7 @@ import flatrig.envs as envs
 from flatrig import feedforward, models
 from flatrig.envs.crane.payloads import payloads, reloaded
 from flatrig.models.mjcf.rig_state import tensions
+from flatrig.models.rig.chain import apart
 
 NAMES = list(envs.ENVIRONMENTS)
 LARGE = ("flatrig/LuffingCrane-v0", "flatrig/KnuckleCrane-v0")
@@ -265,6 +266,8 @@ def test_tension_is_the_exact_one(name):
     rubbing = (scenario.winch_friction, scenario.trolley_friction)
     shared = 2.0 * np.prod(rubbing) / np.sum(rubbing)  # by a rope and a trolley on one joint
     bound = 1e-6 + (shared if name in ROPED_TROLLEYS else 0.0)
+    if apart(env.unwrapped.task.rig):  # a link's there is by the description's masses
+        bound += 1e-5
     act = noise(env.unwrapped.task, 1, 0.02)
     most = 0.0
     for step in range(40):

@@ -368,8 +368,7 @@ def test_rigs_that_cannot_be_one_chain_hold_their_ropes_by_constraints():
         model = rig_model.compile(rig, visuals=False, massless=1e-3)
         assert model.neq == len(rig.ropes)
         assert not model.tendon_armature.any()
-    assert not [name for name in models.CATALOGUE if apart(models.make(name))]
-    assert apart(models.tandem_lift())
+    assert [name for name in models.CATALOGUE if apart(models.make(name))] == ["tandem_lift"]
 
 
 @pytest.mark.parametrize("build", [models.navy_crane_2d, models.navy_crane_3d])
