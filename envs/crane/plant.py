@@ -46,7 +46,8 @@ class Plant(Simulations[CranePlan, Scenario]):
     margins
         Tensions of what cannot push, then clearances; an episode ends when one is not > 0.
     tensions
-        Of the ropes, then of the links, (n, ropes + links) [N].
+        Of the ropes, then of the links, (n, ropes + links) [N]; links by the description's masses
+        where ropes are constraints.
     reasons
         For each column of `margins`, why.
     """
