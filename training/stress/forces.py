@@ -18,6 +18,7 @@ from ...feedforward import Motion
 from ...models.mjcf import rig_model as mjcf
 from ...models.mjcf.joint_motion import joint_motion
 from ...models.mjcf.rig_state import points
+from ...models.mjcf.rigging import GIVEN
 from ...models.rig.chain import chain_of
 from ...models.rig.lengths import rope_lengths, spans
 from ...models.rig.rig import Frame, Load, Platform, Rig, Trolley
@@ -103,9 +104,12 @@ class Seen:
             mujoco.mj_fullM(model, data, mass)
             missing.append(mass @ (data.qacc - self.joints[2, i]))
             sizes.append(np.abs(mass) @ np.abs(self.joints[2, i]) + np.abs(data.qfrc_bias))
-        pull = np.abs(twin.inputs[few]) @ np.abs(model.actuator_gear[:, 0])
+        gears = np.abs(model.actuator_gear[:, 0])
+        gears[gears == GIVEN] = 0.0  # of accelerations, not of forces
+        pull = np.abs(twin.inputs[few]) @ gears
         size = np.array(sizes) + np.multiply.outer(pull, self._levers())
-        return _largest(np.array(missing), size)
+        free = model.dof_armature < GIVEN  # what pushes a base does not move it
+        return _largest(np.array(missing)[:, free], size[:, free])
 
     def _levers(self) -> Array:
         """How long a lever forces have on each joint, 1 if it slides, (nv,)."""
@@ -178,7 +182,8 @@ class Seen:
         for anchor in self.rig.anchors:
             if anchor.name in pulls:
                 pushed[anchor.name] = pulls[anchor.name], sizes[anchor.name]
-        return max(worst, *(self._frame(frame, pushed) for frame in self.rig.frames), 0.0)
+        frames = [frame for frame in self.rig.frames if not frame.given]
+        return max(worst, *(self._frame(frame, pushed) for frame in frames), 0.0)
 
     @cached_property
     def _moving(self) -> dict[str, Moving]:

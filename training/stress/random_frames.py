@@ -38,10 +38,11 @@ def boom_crane(dice: Dice) -> Rig:
 
 
 def _drawn(dice: Dice, count: int, *, planar: bool, trolley: bool) -> Rig:
-    frames: list[Frame] = []
+    frames = [_base(dice, planar)] if dice.maybe(0.2) else []
+    base = len(frames)
     for k in range(count):
         frames.append(_frame(dice, f"frame_{k}", frames[-1].name if frames else WORLD, planar))
-    home = {frame.name: _home(dice, frame) for frame in frames}
+    home = {frame.name: 0.0 if frame.given else _home(dice, frame) for frame in frames}
     last, tip = frames[-1], _vector(dice, planar, 0.3, 1.5)
     rails: tuple[Rail, ...] = ()
     trolleys: tuple[Trolley, ...] = ()
@@ -66,9 +67,15 @@ def _drawn(dice: Dice, count: int, *, planar: bool, trolley: bool) -> Rig:
         masses=(*trolleys, Load("load", dice.mass())),
         ropes=(dice.rope("hoist", above, "load"),),
         drives=drives(*(f.name for f in frames), *(t.name for t in trolleys), "hoist"),
-        outputs=(*axes, *(frame.coordinate for frame in frames[free:])),
+        outputs=(*axes, *(f.coordinate for f in (*frames[:base], *frames[base + free :]))),
         home={**home, "load": (hung[0], hung[1], hung[2] - dice.length(0.3, 3.0))},
     )
+
+
+def _base(dice: Dice, planar: bool) -> Frame:
+    """A frame whose motion is given."""
+    axis: Vector = (0.0, 1.0, 0.0) if planar else _unit(dice, planar)
+    return Frame("base", "turning", axis=axis, origin=_vector(dice, planar, 0.0, 1.0), given=True)
 
 
 def _frame(dice: Dice, name: str, parent: str, planar: bool) -> Frame:

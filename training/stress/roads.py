@@ -141,7 +141,9 @@ def allowance(motion: Motion) -> float:
     rig = motion.rig
     turned = Seen(motion).rounding
     pulled = 1.0 + np.abs(motion.tensions).max() / rig.weight
-    inertias = [about_axis(frame) for frame in rig.frames if frame.kind == "turning"]
+    inertias = [
+        about_axis(frame) for frame in rig.frames if frame.kind == "turning" and not frame.given
+    ]
     points = len(rig.masses) * mjcf.POINT_INERTIA / min(inertias, default=np.inf)
     return float(turned * pulled + points)
 
