@@ -113,7 +113,7 @@ def servo_constraints(equations: Equations) -> Servo:
             if missing:
                 raise RigError(
                     f"rig {rig.name}: output {missing[0]!r} is missing; "
-                    "prescribe all three angles or none"
+                    "prescribe all three angles or none (in a plane, dimensions = 2, there is one)"
                 )
             if output != orientation.angles[0]:  # their directors stand there, once
                 continue
