@@ -20,8 +20,9 @@ that are off by a tenth or a fifth of the limits, and with forces of no model on
 One that asks for more than drives have is unstable too, where they are weak: there softer ones take
 over (`softening`).
 
-Limits: the linear models are those of the rig's own mass.  With the wind among what the filter
-believes, one crane of three got better and the rotary one let ropes go slack.
+Limits: the linear models are those of the rig's own mass.  Weights and times are for ropes of some
+metres: on the luffing crane's 26 m `change` and `patience` must be slower.  With wind among what
+the filter believes, one crane of three got better and the rotary one let ropes go slack.
 """
 
 from dataclasses import replace
