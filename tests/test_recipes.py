@@ -48,7 +48,7 @@ def wall_crane(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[str]
         ("analyse", "wall"),
         ("analyse", "wall-crane", "--set", "load_mass=40"),
         ("solve", "wall", "--rate", "100", "-o", "torques.csv"),
-        ("compare", "wall", "--scenarios", "2", "-o", "out"),
+        ("compare", "wall", "--scenarios", "2", "--sets", "reversed", "-o", "out"),
         ("render", "wall", "-o", "still.png"),
         ("scenes", "-o", "scenes"),
         ("lean",),
