@@ -167,3 +167,8 @@ def test_rigs_that_were_wrong_once(number, ending):
     rig = KINDS[int(rng.integers(8))](dice)  # of the eight kinds that there were
     reference = feedforward.from_move(random_move(rig, rng))
     assert judge(Case("", "", followed_or_refused, EITHER, (rig, reference))).ending == ending
+
+
+def test_forces_through_the_axis_of_a_boom_turn_it_by_rounding_alone():
+    """A load hangs from a point on the axis: what was told wrong was 1e-16 of force times arm."""
+    assert judge(Case("", "", random_case, EITHER, (1, 557))).ending == CORRECT

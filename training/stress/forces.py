@@ -28,6 +28,8 @@ from .given_forces import added_by_sheave, given, rubbed, smooth_twin
 
 UNLOADED = 1e-6
 """Share of the largest tension below which a rope that pushes counts as unloaded."""
+THROUGH = 1e-6
+"""Lever about an axis, over its length, below which a force counts as through the axis."""
 INSTANTS = 12
 """Instants at which MuJoCo is asked."""
 
@@ -216,6 +218,7 @@ class Seen:
             turn = np.cross(arm, force) + moment
             missing = missing + (turn * axis).sum(axis=1)
             reach = np.linalg.norm(np.cross(arm, axis), axis=1)
+            reach = np.maximum(reach, THROUGH * np.linalg.norm(arm, axis=1))
             size = size + reach * pull + np.abs((moment * axis).sum(axis=1))
         return _largest(*self._driven(frame.name, missing, size))
 
