@@ -1,6 +1,5 @@
 """Assembles the equations of motion of a rig from its parts."""
 
-from itertools import combinations
 from types import MappingProxyType
 
 import numpy as np
@@ -8,10 +7,11 @@ import numpy as np
 from ...models.rig.lengths import own_spans
 from ...models.rig.rig import WORLD, Frame, Link, Load, Platform, Rig, Rope, Trolley
 from ...models.types import Array
-from .equations import Constraint, Equations, Orientation
+from .equations import Constraint, Equations
 from .frame_rows import Frames, swung
 from .given_frames import give
 from .losses import damping
+from .platform_rows import Platforms
 
 MORE = 6
 """Coordinates that a frame may add at most: its two directions across its axis."""
@@ -28,6 +28,7 @@ class _Builder:
     def __init__(self, rig: Rig) -> None:
         self.rig = rig
         self.points = (*rig.anchors, *rig.masses)
+        self.platforms = Platforms(self)
         self.names = self._coordinates()
         self.frames = Frames(self)
         n = self.room = len(self.names) + MORE * len(rig.frames)
@@ -40,7 +41,7 @@ class _Builder:
     def build(self) -> Equations:
         self.frames.add_bodies()
         self._masses()
-        self._platforms()
+        self.platforms.add_bodies()
         spans, lengths = [], []
         for rope in self.rig.ropes:
             indices, rows = self._rope(rope)
@@ -72,7 +73,9 @@ class _Builder:
                 (angle, self.index(f"{name}.cos"), self.index(f"{name}.sin"))
                 for angle, name in self._angles()
             ),
-            orientations=tuple(self._orientation(part) for part in self._in_space()),
+            orientations=tuple(
+                self.platforms.orientation(part, self.roles) for part in self.platforms.in_space
+            ),
             spans=tuple(spans),
             span_lengths=tuple(lengths),
             links=links,
@@ -94,24 +97,16 @@ class _Builder:
         for trolley in rig.trolleys:
             frame = rig.frame(rig.rail(trolley.rail).frame)
             names += [f"{trolley.name}.{axis}" for axis in swung(rig, frame)]
-        for platform in self._in_space():
+        for platform in self.platforms.in_space:
             names += [f"{platform.name}.d{i}{axis}" for i in (1, 2, 3) for axis in "xyz"]
-        for platform in self._in_plane():
+        for platform in self.platforms.in_plane:
             names += [f"{platform.name}.cos", f"{platform.name}.sin"]
         return names
-
-    def _in_space(self) -> tuple[Platform, ...]:
-        """The platforms that have directors."""
-        return self.rig.platforms if self.rig.dimensions == 3 else ()
-
-    def _in_plane(self) -> tuple[Platform, ...]:
-        """The platforms that have the cosine and sine of one angle."""
-        return self.rig.platforms if self.rig.dimensions == 2 else ()
 
     def _angles(self) -> list[tuple[str, str]]:
         """What turns by one angle with cosine and sine: its name, and whose it is."""
         turning = [(f.coordinate, f.name) for f in self.rig.frames if f.kind == "turning"]
-        return turning + [(p.angles[1], p.name) for p in self._in_plane()]
+        return turning + [(self.platforms.angle(p), p.name) for p in self.platforms.in_plane]
 
     def _trimmed(self, table: Array, axis: int) -> Array:
         """Without the room for coordinates that no frame has needed."""
@@ -154,13 +149,6 @@ class _Builder:
         """Add gravity on a mass at an affine place (3, n + 1)."""
         self.force -= mass * self.rig.gravity * place[2, :-1]
 
-    def _turn(self, name: str, inertia: float, *pair: Array) -> None:
-        """Add the energy of a body that turns about one axis, and the unit length of its pair."""
-        unity = self.row(constant=1.0)
-        self.add_inertia(inertia, *pair)
-        unit = Constraint(f"{name}.unit", name, "unit", None)
-        self.constrain(unit, *((0.5, row, row) for row in pair), (-0.5, unity, unity))
-
     def position(self, name: str) -> Array:
         """World position of a point, affine, shape (3, n + 1)."""
         part = next(p for p in self.points if p.name == name)
@@ -180,7 +168,7 @@ class _Builder:
             ])  # fmt: skip
         platform = self.rig.platform(part.frame)
         if platform is not None:
-            shares = zip(part.position, self.directors(platform), strict=True)
+            shares = zip(part.position, self.platforms.directors(platform), strict=True)
             return self.position(platform.name) + sum(share * rows for share, rows in shares)
         frame = None if part.frame == WORLD else self.rig.frame(part.frame)
         return self.frames.place(frame).point(part.position)
@@ -206,45 +194,6 @@ class _Builder:
                     (1.0, unity, rows[axis] - origin[axis]),
                     (-1.0, along, direction[axis]),
                 )
-
-    def directors(self, platform: Platform) -> list[Array]:
-        """The three directors of a platform, each of shape (3, n + 1)."""
-        name = platform.name
-        if self.rig.dimensions == 2:  # turned about y
-            none, cos, sin = self.row(), self.row(f"{name}.cos"), self.row(f"{name}.sin")
-            across = np.array([none, self.row(constant=1.0), none])
-            return [np.array([cos, none, -sin]), across, np.array([sin, none, cos])]
-        return [np.array([self.row(f"{name}.d{i}{axis}") for axis in "xyz"]) for i in (1, 2, 3)]
-
-    def _platforms(self) -> None:
-        """Inertia of the directors, Y 2.41, and their six constraints, Y 2.44."""
-        unity = self.row(constant=1.0)
-        for platform in self._in_plane():
-            angle = self.row(f"{platform.name}.cos"), self.row(f"{platform.name}.sin")
-            self._turn(platform.name, platform.inertia[1], *angle)
-        for platform in self._in_space():
-            directors = self.directors(platform)
-            half = 0.5 * sum(platform.inertia[:3])
-            for moment, rows in zip(platform.inertia[:3], directors, strict=True):
-                self.add_inertia(half - moment, *rows)
-            for moment, pair in zip(platform.inertia[3:], combinations(directors, 2), strict=False):
-                self.add_coupling(-moment, *pair)
-            for i, first in enumerate(directors):
-                for k, second in enumerate(directors[i:], start=i):
-                    same, name = i == k, f"{platform.name}.d{i + 1}d{k + 1}"
-                    self.constrain(
-                        Constraint(name, platform.name, "director", None),
-                        *((0.5 if same else 1.0, a, b) for a, b in zip(first, second, strict=True)),
-                        *(((-0.5, unity, unity),) if same else ()),
-                    )
-
-    def _orientation(self, platform: Platform) -> Orientation:
-        first, own = self.index(f"{platform.name}.d1x"), ("director", platform.name)
-        return Orientation(
-            angles=platform.angles,
-            directors=tuple(range(first, first + 9)),
-            constraints=tuple(k for k, c in enumerate(self.roles) if (c.role, c.owner) == own),
-        )
 
     def _rope(self, rope: Rope) -> tuple[tuple[int, ...], Array]:
         """Adds constraints and inertia of a rope; indices of its spans' constraints, and lengths.

@@ -15,7 +15,7 @@ from ...models.errors import RigError
 from ...models.rig.open_tensions import TENSION
 from ...models.types import Array
 from ..series.rotation import matrix, sine_cosine
-from .equations import Equations
+from .equations import Equations, Orientation
 
 Terms = tuple[tuple[float, int], ...]
 
@@ -113,7 +113,7 @@ def servo_constraints(equations: Equations) -> Servo:
             if missing:
                 raise RigError(
                     f"rig {rig.name}: output {missing[0]!r} is missing; "
-                    "prescribe all three angles or none (in a plane, dimensions = 2, there is one)"
+                    f"prescribe all three angles or none{_may_be_held(equations, orientation)}"
                 )
             if output != orientation.angles[0]:  # their directors stand there, once
                 continue
@@ -124,6 +124,18 @@ def servo_constraints(equations: Equations) -> Servo:
             implied |= set(orientation.constraints)
     many = tuple(products.get(i, ()) for i in range(len(rows)))
     return Servo(tuple(names), tuple(rows), many, tuple(sources), frozenset(implied))
+
+
+def _may_be_held(equations: Equations, orientation: Orientation) -> str:
+    """What to write if a platform of which one angle is an output turns about one axis."""
+    rig = equations.rig
+    if sum(angle in rig.outputs for angle in orientation.angles) != 1:
+        return ""
+    (platform,) = (part for part in rig.platforms if part.angles == orientation.angles)
+    prescribed = {name for output in rig.outputs for _, name in rig.terms(output)}
+    own = [f"{platform.name}.{axis}" for axis in rig.axes] + [*orientation.angles]
+    still = [name for name in own if name not in prescribed and name not in rig.held]
+    return f", or if symmetry keeps the others at rest, say so: held = {[*rig.held, *still]}"
 
 
 def _tension(equations: Equations, rope: str) -> tuple[Terms, tuple[tuple[float, int, int], ...]]:

@@ -24,8 +24,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from ...models.errors import RigError
-from ...models.rig.open_tensions import TENSION, redundant_bodies
-from ...models.rig.rig import Rig
+from .advice import what_to_change
 from .distribution import open_unknowns, rules
 from .equations import Equations
 from .servo import Servo
@@ -136,9 +135,7 @@ def analyse_equations(equations: Equations, servo: Servo) -> Analysis:
     for i, row in enumerate(rows):
         for j, order in row.signature().items():
             signature[i, j] = order
-    redundant = redundant_bodies(rig)
-    hint = f' (tensions such as "{redundant[0].ropes[0].name}{TENSION}", too)' if redundant else ""
-    advice = f"check its outputs{hint} and drives{_idle(rig)}"
+    advice = what_to_change(rig)
     partner = _transversal(rig.name, rows, unknowns, signature, advice)
     c, d = _offsets(signature, partner)
     light = [load.name for load in rig.loads if load.mass == 0]
@@ -249,16 +246,6 @@ def _transversal(
                 f"({rows[i].name} is one equation too many); {advice}"
             )
     return np.asarray(partner)
-
-
-def _idle(rig: Rig) -> str:
-    """A frame that nothing stands on, as the end of a message; nothing if there is none."""
-    used = {anchor.frame for anchor in rig.anchors} | {rail.frame for rail in rig.rails}
-    used |= {frame.parent for frame in rig.frames}
-    idle = next((frame.name for frame in rig.frames if frame.name not in used), None)
-    if idle is None:
-        return ""
-    return f"; frame {idle} carries nothing, what stands on it names it as frame or parent"
 
 
 def _offsets(signature: np.ndarray, partner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..exact.held_freedoms import AT_REST, residuals_of_held
+from ..exact.held_freedoms import largest_at_rest, residuals_of_held
 from ..exact.home import home_outputs, home_unknowns
 from ..exact.problem import Problem
 from ..exact.taylor import expand
@@ -38,5 +38,5 @@ def free_outputs(problem: Problem) -> tuple[bool, ...]:
         taylor[0] += outputs
         solution = expand(problem, taylor, home_unknowns(problem.equations), follow=False)
         forces = np.abs(residuals_of_held(problem, solution))[:, solution.solved]
-        free[column] = bool((forces <= AT_REST * rig.weight).all())
+        free[column] = bool((forces <= largest_at_rest(rig)).all())
     return tuple(free.tolist())

@@ -18,6 +18,8 @@ from .drawing import Painter, across_of
 
 LEGS = (0.06, 0.42)
 """Where the portal's legs stand along the girders, over their length; the rest reaches out."""
+NARROWEST = 0.4
+"""Least half width of a trolley over its size."""
 STAY = 0.9
 """Where the forestays hold the girders, likewise."""
 
@@ -28,7 +30,7 @@ def carriage(paint: Painter, body: Any, frame: Frame, points: Sequence[Anchor]) 
     across = across_of(axis)
     places = np.array([point.position for point in points])
     along = np.ptp(places @ axis) / 2 + 0.25 * unit
-    aside = np.abs(places @ across).max()
+    aside = _half_width(paint, places @ across)
     middle = 0.5 * (places.max(axis=0) + places.min(axis=0))
     deck = middle + 0.32 * unit * np.array([0, 0, 1.0])
     for label, way in (("left", 1), ("right", -1)):
@@ -51,6 +53,11 @@ def carriage(paint: Painter, body: Any, frame: Frame, points: Sequence[Anchor]) 
     paint.rod(body, f"{frame.name}.hanger", "machine", hanger, 0.08 * unit)
 
 
+def _half_width(paint: Painter, places: Array) -> float:
+    """Half the width of a trolley whose winches are at these places across it; all may be at 0."""
+    return max(float(np.abs(places).max()), NARROWEST * paint.unit)
+
+
 def girders(
     paint: Painter,
     body: Any,
@@ -66,7 +73,7 @@ def girders(
     unit, axis = paint.unit, np.asarray(frame.axis)
     across, up = across_of(axis), np.array([0.0, 0.0, 1.0])
     places = np.array([point.position for point in points])
-    aside = np.abs(places @ across).max() + 0.3 * unit
+    aside = _half_width(paint, places @ across) + 0.3 * unit
     reach = np.ptp(places @ axis) / 2 + unit
     start, end = way[0] - reach, way[1] + reach
     top = float(places[:, 2].max()) * up - 0.02 * unit * up

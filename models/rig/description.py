@@ -57,8 +57,9 @@ class Description:
     """Slings, pendants and struts of constant length."""
     held: tuple[str, ...] = ()
     """Coordinates of loads and platforms that symmetry keeps at home, such as that across the plane
-    in which a spreader hangs.  Their equations are left out, and `feedforward.solve` looks whether
-    they hold: whether nothing would move these freedoms if they were let go."""
+    in which a spreader hangs, and two or all of a platform's three angles.  Their equations are
+    left out, and `feedforward.solve` looks whether they hold: whether nothing would move these
+    freedoms if they were let go."""
     distribution: Mapping[str, float | Vector] = Home({})
     """Tensions [N] that ropes should have at home where a load or platform has more of them than
     freedoms, 0 for those left out.  Of all tensions that make a motion those are taken whose force
@@ -115,6 +116,10 @@ class Description:
     def angles_of(self, platform: Platform) -> tuple[str, ...]:
         """Names of a platform's angles: all three, or in a plane that about y alone."""
         return platform.angles if self.dimensions == 3 else (platform.angles[1],)
+
+    def turns_of(self, platform: Platform) -> tuple[str, ...]:
+        """Names of those of a platform's angles that are not held: three, one or none."""
+        return tuple(angle for angle in self.angles_of(platform) if angle not in self.held)
 
     @property
     def platform_angles(self) -> tuple[str, ...]:

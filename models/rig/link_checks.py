@@ -62,8 +62,9 @@ def _check_length(label: str, link: Link, distance: float) -> None:
 
 
 def check_held(rig: Description) -> None:
-    """Held coordinates are places of loads and platforms, and nothing prescribes them."""
+    """Held coordinates are of loads and platforms, and nothing prescribes them."""
     free = [f"{part.name}.{axis}" for part in rig.hanging for axis in rig.axes]
+    free += rig.platform_angles
     for name in rig.held:
         if name not in free:
             hint = did_you_mean(name, free)
@@ -77,3 +78,11 @@ def check_held(rig: Description) -> None:
                 raise RigError(
                     f"rig {rig.name}: {name!r} is held, output {output!r} cannot move it"
                 )
+    for platform in rig.platforms:
+        turns = rig.turns_of(platform)
+        if len(turns) == 2:
+            (still,) = set(platform.angles) - {*turns}
+            raise RigError(
+                f"rig {rig.name}: of the angles of {platform.name} only {still!r} is held, it must "
+                "be two, so that it turns about one axis, or all three"
+            )
