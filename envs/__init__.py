@@ -40,6 +40,7 @@ from .hand.pose_controller import PoseFeedback
 from .hand.task import HandTask
 from .laws import Law, task_of, wrap
 from .ranges import quantity
+from .vectors import make_vec
 
 __all__ = [
     "ENVIRONMENTS",
@@ -74,6 +75,7 @@ __all__ = [
     "TautGuard",
     "design",
     "hand_design",
+    "make_vec",
     "quantity",
     "task_of",
     "wrap",

@@ -23,6 +23,9 @@ LONGEST_DELAY = 31
 LIMIT = 100.0
 """Largest magnitude of an entry of an observation; what is beyond is cut off."""
 
+TIME = "time"
+"""Why an episode is truncated."""
+
 NOT_FINITE = "not finite"
 """Why an episode ends when the simulation has left the numbers."""
 

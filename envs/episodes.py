@@ -1,113 +1,26 @@
 """What all tasks share: n simulations whose episodes begin, go on step by step, and end.
 
-A task has a plant, a planner whose plans are read row by row, encoders, commands and a reward;
-`flatrig.envs.crane.task` puts them together for cranes, `flatrig.envs.hand.task` for hands.
+What a task has is in `flatrig.envs.task_parts`; `flatrig.envs.crane.task` puts it together for
+cranes, `flatrig.envs.hand.task` for hands.
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, Generic, cast
+from typing import Any
 
-import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..models.errors import OptionError
 from ..models.types import Array
-from ..models.values import bounded
-from .common import NOT_FINITE, Ids, Outcome, Steps, none_of
-from .gains import Gains, Track
-from .option_checks import actions_of, sensors_of, substeps_of
-from .plans import Layout, Planner, PlanT
-from .ranges import Ranges, ScenarioT
-from .rewards import Reward
-from .sensing import Observation
-from .signals import Band, Commands, Encoders, Rows
-from .simulations import Simulations
-
-TIME = "time"
-"""Why an episode is truncated."""
+from .common import NOT_FINITE, TIME, Ids, Outcome, none_of
+from .option_checks import actions_of
+from .plans import PlanT
+from .ranges import ScenarioT
+from .task_parts import Parts
 
 
-class Task(ABC, Generic[PlanT, ScenarioT]):
-    """n simulations; a subclass calls `_prepare`, makes its parts, and calls `_start`."""
-
-    num: int
-    """Number of simulations n."""
-    all: Ids
-    """Indices of all simulations, shape (n,)."""
-    sensor_sets: ClassVar[tuple[str, ...]] = ("encoders", "full")
-    """What can be observed."""
-    sensors: str
-    """What is observed, one of these."""
-    takes_inputs: ClassVar[bool] = True
-    """Whether actions are inputs over their limits."""
-    period: float
-    """Time between two steps [s]."""
-    limits: Array
-    """Largest magnitudes of the inputs, shape (drives,) [N, N m]."""
-    band: Band
-    """What actions are clipped to."""
-    plant: Simulations[PlanT, ScenarioT]
-    """The simulations."""
-    planner: Planner[PlanT]
-    """Makes the plans of episodes."""
-    disturbances: Ranges[ScenarioT]
-    """What scenarios are drawn from."""
-    scenarios: list[ScenarioT]
-    """Scenario of each simulation's episode."""
-    plans: list[PlanT]
-    """Plan of each simulation's episode, once it has begun."""
-    rows: Rows
-    """The plans' rows at the present steps."""
-    encoders: Encoders
-    """What is measured."""
-
-    def _prepare(
-        self, num: int, sensors: str, rate: float, timestep: float, hold: float,
-        nthread: int | None,
-    ) -> int:  # fmt: skip
-        """Check and keep the options that all tasks share; the substeps of a control period."""
-        bounded("number of simulations", num, least=1, whole=True)
-        bounded("hold", hold, least=0, unit="s")
-        if nthread is not None:
-            bounded("nthread", nthread, least=1, whole=True)
-        self.num, self.sensors = int(num), sensors_of(sensors, self.sensor_sets)
-        self.all = np.arange(self.num, dtype=np.int32)
-        substeps = substeps_of(rate, timestep)
-        self.period = substeps * timestep
-        return substeps
-
-    def _start(self, layout: Layout, levers: Array, length: float, band: Band) -> None:
-        """Prepare for first episodes; levers of outputs and a length [m] are the reward's."""
-        num = self.num
-        self.rows = Rows(layout, num, self.planner.fixed)
-        self.encoders = Encoders(self.plant, self.period)
-        self._observation = self._make_observation()
-        self._reward = Reward(num, levers, layout.drives, length)
-        self._undisturbed: ScenarioT = self.disturbances.scenario_type()
-        self.scenarios = [self._undisturbed] * num
-        self.plans = cast("list[PlanT]", [self.planner.fixed] * num)
-        self._new = set(range(num))
-        self._steps, self._countdown = np.zeros(num, dtype=np.int64), 0
-        self.band, self._commands = band, Commands(self._reward.change, band)
-        self._scale, self._one = np.tile(self.limits, (num, 1)), np.ones(num, dtype=np.int64)
-        self._names = self.action_names
-
-    @property
-    def observation_names(self) -> tuple[str, ...]:
-        """Names of the entries of an observation."""
-        return self._observation.names
-
-    @property
-    @abstractmethod
-    def action_names(self) -> tuple[str, ...]:
-        """Names of the entries of an action."""
-
-    @property
-    def steps(self) -> Steps:
-        """Steps of each simulation's episode so far, shape (n,), live."""
-        return self._steps
+class Task(Parts[PlanT, ScenarioT]):
+    """n simulations whose episodes begin, go on and end."""
 
     def reset(
         self,
@@ -155,7 +68,8 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         joints = np.array([self.plant.at_rest(plan) for plan in plans])
         self.plant.reset(ids, joints, inputs, drawn)
         self._new.difference_update(ids.tolist())
-        self._steps[ids] = 0
+        self._told.begin(ids, drawn)
+        self.over[ids], self._steps[ids] = False, 0
         self._reward.terms[ids] = 1.0
         self._commands.reset(ids, drawn, inputs / self.limits)
         self.rows.follow(ids, plans)
@@ -163,11 +77,6 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         self.encoders.reset(ids, drawn, self.rows.parts["drives"])
         # No episode can be over before so many steps: spares looking at each of them.
         self._countdown = int((self.rows.length - self._steps).min())
-
-    @property
-    def commands(self) -> Array:
-        """What was asked of the drives in the last step, over their limits, (n, drives), live."""
-        return self._commands.last
 
     def step(self, actions: ArrayLike, ids: Ids | None = None) -> Outcome:
         """Hold inputs over one control period.
@@ -203,42 +112,6 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
         self.rows.follow(ids, plans)
         self.rows.look(self._steps)
         self._countdown = int((self.rows.length - self._steps).min())
-
-    def observation(self) -> Array:
-        """What the sensors say, (n, entries), scaled to order one; the caller's own."""
-        return self._observation.read(self._commands.last)
-
-    @abstractmethod
-    def gains(self, track: Track = "moving") -> Gains:
-        """Gains of a PD controller for this task."""
-
-    @abstractmethod
-    def looks(self) -> mujoco.MjModel:
-        """The model with everything that is drawn."""
-
-    def info(self) -> dict[str, Any]:
-        """The truth, for evaluation: arrays (n, ...) that are the caller's own."""
-        info: dict[str, Any] = {name: values.copy() for name, values in self._truth().items()}
-        tracking, smoothness = self._reward.terms.T.copy()
-        info["reward_terms"] = {"tracking": tracking, "smoothness": smoothness}
-        return info
-
-    def info_of(self, sim: int) -> dict[str, Any]:
-        """The same of one simulation; what is one number in each is a plain number."""
-        info: dict[str, Any] = self._truth()
-        for name, values in info.items():
-            info[name] = values[sim].copy() if values.ndim > 1 else float(values[sim])
-        tracking, smoothness = self._reward.terms[sim].tolist()
-        info["reward_terms"] = {"tracking": tracking, "smoothness": smoothness}
-        return info
-
-    @abstractmethod
-    def _truth(self) -> dict[str, NDArray[Any]]:
-        """What `info` tells beside the terms of the reward, (n, ...) each, live or new."""
-
-    @abstractmethod
-    def _make_observation(self) -> Observation:
-        """What a policy sees; plant, rows and encoders are ready."""
 
     def _advance(self, actions: Array, ids: Ids | None) -> Array:
         """One control period of all simulations, or in the plant of some; the rewards."""
@@ -283,6 +156,8 @@ class Task(ABC, Generic[PlanT, ScenarioT]):
             if reason == NOT_FINITE:
                 self._clear(sim)
             outcome.reasons[sim] = reason
+            self._told.end(sim, reason)
+        self.over |= outcome.terminated | outcome.truncated
         reward[outcome.terminated | ~stepped] = 0.0
         return outcome
 

@@ -25,7 +25,7 @@ from typing import Any
 
 import gymnasium as gym
 from gymnasium.envs.registration import EnvSpec, WrapperSpec
-from gymnasium.vector import VectorEnv, VectorWrapper
+from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 from numpy.typing import ArrayLike
 
 from ..models.errors import OptionError
@@ -88,8 +88,13 @@ class VectorController(VectorWrapper[Any, Any, Any, Any, Any]):
 
     @property
     def spec(self) -> EnvSpec | None:  # type: ignore[override]
-        """The environment's, with the controllers, which `gym.make_vec` leaves to its caller."""
+        """What `flatrig.envs.make_vec` makes a vector with the same controllers of."""
         return _spec_with(self.env.spec, self.law, self._options)
+
+    @property
+    def autoreset_mode(self) -> AutoresetMode:
+        """When the next episode begins."""
+        return self.env.metadata["autoreset_mode"]  # type: ignore[no-any-return]
 
     def step(self, actions: ArrayLike) -> Any:
         """Hand down what the law makes of the actions."""
@@ -114,7 +119,9 @@ def task_of(env: AnyEnv) -> AnyTask:
     """
     task = getattr(getattr(env, "unwrapped", None), "task", None)
     if not isinstance(task, Task):
-        raise OptionError(f"{env} is not an environment of flatrig")
+        several = hasattr(getattr(env, "unwrapped", None), "env_fns")  # a sync or async vector
+        hint = "; wrap what it is made of, as by make_vec(..., wrappers=[PD])" if several else ""
+        raise OptionError(f"{env} is not an environment of flatrig{hint}")
     return task
 
 

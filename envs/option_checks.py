@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from gymnasium.vector import AutoresetMode
 from numpy.typing import ArrayLike
 
 from ..models.arguments import keywords_of, known_keywords
@@ -41,6 +42,22 @@ def sensors_of(value: object, sets: Sequence[str]) -> str:
     if not isinstance(value, str) or value not in sets:
         raise OptionError(f"sensors is {shown(value)}, it must be one of {', '.join(sets)}")
     return value
+
+
+def mode_of(value: object) -> AutoresetMode:
+    """The option `autoreset_mode`.
+
+    Raises
+    ------
+    OptionError
+        There is no such mode.
+    """
+    for mode in AutoresetMode:
+        if value in (mode, mode.value, mode.name):
+            return mode
+    known = [mode.value for mode in AutoresetMode]
+    near = did_you_mean(value, known) if isinstance(value, str) else f"; known are {known}"
+    raise OptionError(f"autoreset_mode is {shown(value)}, there is no such mode{near}")
 
 
 def actions_of(
@@ -130,13 +147,13 @@ def check_options(options: dict[str, Any] | None, known: tuple[str, ...]) -> dic
     return options
 
 
-def check_task_options(task: Callable[..., Any], options: Mapping[str, Any]) -> None:
-    """Refuse options that neither a task nor its environment has.
+def check_task_options(task: Callable[..., Any], options: Mapping[str, Any], *more: str) -> None:
+    """Refuse options that neither a task nor its environment has, which knows `more`.
 
     Raises
     ------
     OptionError
         One is unknown.
     """
-    known = [*keywords_of(task, but=("num",)), "render_mode"]
+    known = [*keywords_of(task, but=("num",)), "render_mode", *more]
     known_keywords("an environment has no option", options, known, OptionError)

@@ -104,6 +104,11 @@ class Simulations(ABC, Generic[PlanT, ScenarioT]):
     def why(self, sim: int) -> str:
         """Reason for which a simulation cannot go on, "" if it can."""
 
+    @property
+    @abstractmethod
+    def ends(self) -> tuple[str, ...]:
+        """Reasons that `why` can give, beside that something is not finite."""
+
     @abstractmethod
     def at_rest(self, plan: PlanT) -> Array:
         """Joints (nq,) where a plan begins."""

@@ -39,6 +39,16 @@ class TaskFace(Generic[TaskT]):
         """Names of the entries of an action."""
         return self.task.action_names
 
+    @property
+    def scenario_names(self) -> tuple[str, ...]:
+        """Names of the numbers in `info["scenario"]`."""
+        return self.task.scenario_names
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """What the number `info["reason"]` stands for: why an episode is over, "" if it goes on."""
+        return self.task.reasons
+
     def _pictures(self) -> list[Any] | None:
         """A picture (height, width, 3) of bytes of each simulation, None without a mode."""
         if self.render_mode is None:
@@ -82,9 +92,7 @@ class TaskEnv(TaskFace[TaskT], gym.Env[Any, Any]):
         task.reset(task.all, [self.np_random], *prescribed)
         if self.render_mode == "human":
             self.render()
-        info = self._info("")
-        info["scenario"] = task.scenarios[0]
-        return task.observation()[0], info
+        return task.observation()[0], task.info_of(0)
 
     def step(self, action: ArrayLike) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Hold inputs, `action` times their limits, over one control period."""
@@ -96,7 +104,7 @@ class TaskEnv(TaskFace[TaskT], gym.Env[Any, Any]):
             float(outcome.reward[0]),
             bool(outcome.terminated[0]),
             bool(outcome.truncated[0]),
-            self._info(outcome.reasons[0]),
+            self.task.info_of(0),
         )
 
     def render(self) -> Any:
@@ -107,9 +115,3 @@ class TaskEnv(TaskFace[TaskT], gym.Env[Any, Any]):
     def close(self) -> None:
         """Close the window, if there is one."""
         self._close_camera()
-
-    def _info(self, reason: str) -> dict[str, Any]:
-        """The truth about the only simulation, and why its episode is over."""
-        info = self.task.info_of(0)
-        info["reason"] = reason
-        return info

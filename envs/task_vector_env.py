@@ -13,7 +13,8 @@ from ..models.errors import OptionError
 from ..models.types import Array, Mask
 from ..models.values import shown
 from .common import Ids
-from .option_checks import check_options, seed_of
+from .infos import with_masks
+from .option_checks import check_options, mode_of, seed_of
 from .spaces import action_space, observation_space
 from .task_env import TaskFace, TaskT
 
@@ -21,11 +22,14 @@ OPTIONS = ("scenarios", "references", "reset_mask")
 
 
 class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
-    """All simulations of a task, in autoreset mode NEXT_STEP.
-
-    A simulation whose episode is over begins the next one in the following step, which ignores its
-    action and rewards it with 0.  Seeded with `seed`, simulation i is the single environment seeded
+    """All simulations of a task; seeded with `seed`, simulation i is the single environment seeded
     with seed + i, to the last bit.
+
+    What becomes of a simulation whose episode is over, `autoreset_mode` says:
+
+        NEXT_STEP     the following step begins the next episode, ignores the action and gives 0
+        SAME_STEP     the same step does; the info has "final_obs" and "final_info" of the old one
+        DISABLED      nothing; it is to be reset before the next step, by "reset_mask"
 
     `reset(options={"scenarios": [...], "references": [...]})` prescribes, one by one, what would
     be drawn; "reset_mask", n booleans, resets only some.
@@ -40,16 +44,27 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
 
-    def __init__(self, task: TaskT, render_mode: str | None = None) -> None:
+    def __init__(
+        self,
+        task: TaskT,
+        render_mode: str | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+    ) -> None:
+        self.autoreset_mode = mode_of(autoreset_mode)
+        """When the next episode begins."""
         self._show(task, render_mode, ("rgb_array",))
+        self.metadata["autoreset_mode"] = self.autoreset_mode
         self.num_envs = num_envs = task.num
         self.single_observation_space = observation_space(task.observation_names)
         self.single_action_space = action_space(task.action_names)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._generators = [seeding.np_random()[0] for _ in range(num_envs)]
-        self.over: Mask = np.zeros(num_envs, dtype=bool)
-        """Whose episodes are over, so that the next step begins new ones, shape (n,)."""
+
+    @property
+    def over(self) -> Mask:
+        """Whose episodes are over and have not begun anew, shape (n,), live."""
+        return self.task.over
 
     def reset(
         self,
@@ -67,7 +82,7 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
         options = check_options(options, OPTIONS)
         mask = options.get("reset_mask")
         chosen = np.ones(self.num_envs, dtype=bool) if mask is None else np.asarray(mask)
-        if chosen.shape != self.over.shape or chosen.dtype != bool:
+        if chosen.shape != (self.num_envs,) or chosen.dtype != bool:
             raise OptionError(f"reset_mask is {shown(mask)}, it must be {self.num_envs} booleans")
         prescribed = [self._each(name, options.get(name)) for name in OPTIONS[:2]]
         seeds = self._seeds(seed)
@@ -76,26 +91,46 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
             if seeds[sim] is not None:
                 self._generators[sim] = seeding.np_random(seeds[sim])[0]
         self._begin(ids, *prescribed)
-        info = self.task.info()
-        info["reason"] = np.full(self.num_envs, "", dtype=object)
-        info["scenario"] = list(self.task.scenarios)
-        return self.task.observation(), info
+        return self.task.observation(), with_masks(self.task.info(), chosen)
 
     def step(self, actions: ArrayLike) -> tuple[Array, Array, Mask, Mask, dict[str, Any]]:
-        """Hold inputs, `actions` (n, drives) times their limits, over one control period."""
-        task = self.task
-        ids = None
-        if self.over.any():
-            ids = np.flatnonzero(~self.over).astype(np.int32)
-        outcome = task.step(actions, ids)
-        if ids is not None:
+        """Hold inputs, `actions` (n, drives) times their limits, over one control period.
+
+        Raises
+        ------
+        OptionError
+            As `Task.step`, or an episode is over and nothing resets it.
+        """
+        task, going = self.task, None
+        waiting = np.flatnonzero(self.over).astype(np.int32)
+        if waiting.size:
+            self._must_reset(waiting)
+            going = np.flatnonzero(~self.over).astype(np.int32)
+        outcome = task.step(actions, going)
+        self._begin(waiting)
+        last: dict[str, Any] = {}
+        if self.autoreset_mode is AutoresetMode.SAME_STEP and self.over.any():
+            last = self._last()
             self._begin(np.flatnonzero(self.over).astype(np.int32))
-        self.over = outcome.terminated | outcome.truncated
-        info = task.info()
-        if ids is not None:
-            info["scenario"] = list(task.scenarios)
-        info["reason"] = np.array(outcome.reasons, dtype=object)
+        info = with_masks(task.info(), np.ones(self.num_envs, bool)) | last
         return task.observation(), outcome.reward, outcome.terminated, outcome.truncated, info
+
+    def _must_reset(self, waiting: Ids) -> None:
+        """Refuse to go on where nobody begins new episodes."""
+        if self.autoreset_mode is AutoresetMode.DISABLED:
+            raise OptionError(
+                f"episodes of {self.what} {shown(waiting.tolist())} are over; without autoreset "
+                'call reset(options={"reset_mask": terminated | truncated}) before step'
+            )
+
+    def _last(self) -> dict[str, Any]:
+        """What is seen and told at the ends of episodes that make place for others now."""
+        over, seen = self.over.copy(), self.task.observation()
+        final = np.full(self.num_envs, None, dtype=object)
+        for sim in np.flatnonzero(over).tolist():
+            final[sim] = seen[sim]
+        last = {"final_obs": final, "final_info": with_masks(self.task.info(), over)}
+        return last | {f"_{name}": over.copy() for name in last}
 
     def render(self) -> Any:
         """A tuple with a picture (height, width, 3) of bytes for each simulation."""
@@ -133,4 +168,3 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
         chosen = ids.tolist()
         values = [[entries[sim] for sim in chosen] for entries in prescribed]
         self.task.reset(ids, [self._generators[sim] for sim in chosen], *values)
-        self.over[ids] = False

@@ -140,12 +140,13 @@ class Fingerprint(RigOptions):
 class Bench:
     """Measure the solver, the environments and the accuracy in MuJoCo on this machine."""
 
-    topic: Positional[Literal["speed", "feedforward", "cranebench", "stream"]] = "speed"
+    topic: Positional[Literal["speed", "feedforward", "cranebench", "stream", "vectors"]] = "speed"
     """"feedforward": the error of every formulation and scheme against its run time instead;
     "cranebench": flatrig's controllers beside those of that benchmark, in its plant and wind;
-    "stream": cranes driven by random commands that nobody could follow."""
+    "stream": cranes driven by random commands that nobody could follow; "vectors": native vector
+    environments beside those that step one after the other, for Gymnasium and stable-baselines3."""
     repetitions: int = 15
-    """Repetitions of each timing of "speed"."""
+    """Repetitions of each timing of "speed" and "vectors"."""
     samples: int = 100
     """Samples of each campaign of "cranebench"."""
     seeds: int = 10
@@ -153,7 +154,8 @@ class Bench:
     seconds: float = 60.0
     """How long they last [s]."""
     rig: tuple[str, ...] = ()
-    """Rigs of the catalogue for "feedforward" and "stream"; every rig if left out."""
+    """Rigs of the catalogue for "feedforward", "stream" and "vectors"; every rig if left out, of
+    "vectors" the overhead and the rotary crane."""
     formulation: tuple[str, ...] = ()
     """Names of formulations ("minimal extension") for "feedforward"; all if left out."""
     scheme: tuple[str, ...] = ()

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from gymnasium.vector import AutoresetMode
 from numpy.typing import ArrayLike
 
 from ..common import Ids
@@ -18,8 +19,8 @@ class CraneEnv(TaskEnv[CraneTask]):
     """A crane that is to follow a reference; `options` are those of `CraneTask`.
 
     `reset(options={"scenario": Scenario(...), "reference": ...})` prescribes what would be drawn.
-    `info` tells the truth: "load", "reference", "tension", "input", "reward_terms", and in
-    "reason" why the episode is over.
+    `info` tells the truth: "load", "reference", "tension", "input", and what
+    `flatrig.envs.infos` says.
 
     With reference="operator" actions are velocities of the load, see
     `flatrig.envs.crane.operated`.
@@ -47,10 +48,16 @@ class CraneVectorEnv(TaskVectorEnv[CraneTask]):
     what = "cranes"
 
     def __init__(
-        self, rig: Any = None, *, num_envs: int = 1, render_mode: str | None = None, **options: Any
+        self,
+        rig: Any = None,
+        *,
+        num_envs: int = 1,
+        render_mode: str | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        **options: Any,
     ) -> None:
-        check_task_options(CraneTask, options)
-        super().__init__(crane_task(rig, num_envs, **options), render_mode)
+        check_task_options(CraneTask, options, "autoreset_mode")
+        super().__init__(crane_task(rig, num_envs, **options), render_mode, autoreset_mode)
 
     def redirect(self, references: Sequence[object], ids: Ids | None = None) -> None:
         """Give episodes other references from now on, see `CraneTask.redirect`."""

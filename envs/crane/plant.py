@@ -114,6 +114,11 @@ class Plant(Simulations[CranePlan, Scenario]):
         worst = self.margins.argmin()  # the first that is not a number, if there is one
         return bool(self.margins.item(worst) > 0)
 
+    @property
+    def ends(self) -> tuple[str, ...]:
+        """Reasons that `why` can give, beside that something is not finite."""
+        return tuple(dict.fromkeys(self.reasons))
+
     def change(self, ids: Ids, scenarios: Sequence[Scenario]) -> None:
         """Go on with other masses, friction and wind, from where simulations are."""
         for sim, scenario in zip(ids.tolist(), scenarios, strict=True):

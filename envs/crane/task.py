@@ -244,6 +244,7 @@ class CraneTask(Task[CranePlan, Scenario]):
             self.disturbances.check(scenario)
         for sim, scenario in zip(ids.tolist(), scenarios, strict=True):
             self.scenarios[sim] = scenario
+        self._told.begin(ids, scenarios)
         self.plant.change(ids, scenarios)
 
     def gains(self, track: Track = "moving") -> Gains:

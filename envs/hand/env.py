@@ -7,6 +7,8 @@ env.reset(seed=0, options={"scenario": HandScenario(mass=1.2), "reference": Hand
 
 from typing import Any
 
+from gymnasium.vector import AutoresetMode
+
 from ..option_checks import check_task_options
 from ..task_env import TaskEnv
 from ..task_vector_env import TaskVectorEnv
@@ -17,7 +19,7 @@ class HandEnv(TaskEnv[HandTask]):
     """A hand that is to bring its object to a pose; `options` are those of `HandTask`.
 
     `info` tells the truth: "object", "rotation", "reference", "reference_rotation", "distance",
-    "turned", "touching", "input", "reward_terms", and in "reason" why the episode is over.
+    "turned", "touching", "input", and what `flatrig.envs.infos` says.
     """
 
     def __init__(self, hand: Any = None, *, render_mode: str | None = None, **options: Any) -> None:
@@ -34,7 +36,13 @@ class HandVectorEnv(TaskVectorEnv[HandTask]):
     what = "hands"
 
     def __init__(
-        self, hand: Any = None, *, num_envs: int = 1, render_mode: str | None = None, **options: Any
+        self,
+        hand: Any = None,
+        *,
+        num_envs: int = 1,
+        render_mode: str | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        **options: Any,
     ) -> None:
-        check_task_options(HandTask, options)
-        super().__init__(HandTask(hand, num=num_envs, **options), render_mode)
+        check_task_options(HandTask, options, "autoreset_mode")
+        super().__init__(HandTask(hand, num=num_envs, **options), render_mode, autoreset_mode)

@@ -51,6 +51,7 @@ class HandPlant(Simulations[HandPlan, HandScenario]):
     """
 
     stage = VELOCITIES
+    ends = (DROPPED, CONTACT_LOST)
 
     def __init__(
         self, hand: Hand, num: int, *, timestep: float, substeps: int, nthread: int | None = None

@@ -144,7 +144,7 @@ def test_order_of_composition_does_not_matter():
 def test_pd_towards_a_set_point_gets_there(name):
     env = envs.PD(make(name, reference=GENTLE[name], hold=25.0), track="set point")
     _, errors, info = run(env)
-    assert info["reason"] == "time"
+    assert env.unwrapped.reasons[info["reason"]] == "time"
     assert errors[-1] < 1e-3
     assert errors.max() > 0.1  # it does not follow the path
 
@@ -226,7 +226,7 @@ def test_feedback_stands_three_periods_of_delay(name):
     over = False
     while not over:
         *_, terminated, over, info = env.step(np.zeros(len(env.unwrapped.action_names)))
-        assert not terminated, info["reason"]
+        assert not terminated, env.unwrapped.reasons[info["reason"]]
     assert np.linalg.norm(info["load"] - info["reference"]) < 0.15
 
 

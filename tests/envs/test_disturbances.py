@@ -54,7 +54,8 @@ def test_every_controller_meets_the_same_scenario():
         env.reset(options={"scenario": other})
         before = in_plant(env)
         _, info = env.reset(options={"scenario": scenario})
-        assert info["scenario"] == scenario
+        assert info["scenario"].tolist() == list(vars(scenario).values())
+        assert env.unwrapped.task.scenarios == [scenario]
         plants.append(in_plant(env))
         assert all(
             not np.array_equal(one, two) for one, two in zip(before, plants[-1], strict=True)
@@ -87,12 +88,17 @@ def test_the_same_scenario_is_the_same_episode_single_or_vector():
         assert np.array_equal(follow(env, 20), together[:, index])
 
 
+def drawn_by(env, **how):
+    env.reset(**how)
+    return env.unwrapped.task.scenarios[0]
+
+
 def test_without_options_every_episode_draws_its_own():
     env = make(disturbances="standard")
-    drawn = [env.reset(seed=1)[1]["scenario"], env.reset()[1]["scenario"]]
+    drawn = [drawn_by(env, seed=1), drawn_by(env)]
     assert drawn[0] != drawn[1]
-    assert env.reset(seed=1)[1]["scenario"] == drawn[0]
-    assert make().reset(seed=1)[1]["scenario"] == envs.Scenario()
+    assert drawn_by(env, seed=1) == drawn[0]
+    assert drawn_by(make(), seed=1) == envs.Scenario()
 
 
 @pytest.mark.parametrize("factor", [0.7, 1.3])

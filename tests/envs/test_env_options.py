@@ -136,13 +136,13 @@ def test_vector_seeds_masks_and_lists():
     again, _ = vector.reset(seed=np.int64(4))
     assert np.array_equal(first, again)
     scenarios = np.array([envs.Scenario(load_mass=mass) for mass in (0.8, 1.0, 1.2)])
-    _, info = vector.reset(options={"scenarios": scenarios, "reset_mask": None})
-    assert info["scenario"] == scenarios.tolist()
+    vector.reset(options={"scenarios": scenarios, "reset_mask": None})
+    assert vector.unwrapped.task.scenarios == scenarios.tolist()
     present, _, _, _, before = vector.step(np.tile([0.0, -0.5], (3, 1)))
     still, info = vector.reset(seed=0, options={"reset_mask": np.zeros(3, dtype=bool)})
     assert np.array_equal(still, present)
     assert np.array_equal(info["load"], before["load"])
-    assert info["scenario"] == scenarios.tolist()
+    assert vector.unwrapped.task.scenarios == scenarios.tolist()
 
 
 @pytest.mark.parametrize(

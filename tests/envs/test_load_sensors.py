@@ -77,7 +77,7 @@ def test_seeded_episodes_repeat_and_scenarios_are_those_of_other_sensors():
         env = gym.make(OVERHEAD, sensors=sensors, disturbances="standard", reference="random")
         observations = [env.reset(seed=4)[0], env.step(np.zeros(2))[0]]
         again, info = env.reset()
-        seen.append((np.array([*observations, again]), info["scenario"]))
+        seen.append((np.array([*observations, again]), info["scenario"].tolist()))
     assert np.array_equal(seen[0][0], seen[1][0])
     assert seen[0][1] == seen[2][1] == seen[3][1]
     width = seen[2][0].shape[1]

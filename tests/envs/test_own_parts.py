@@ -90,8 +90,10 @@ def test_a_disturbance_of_ones_own_acts_and_leaves_the_other_draws_alone() -> No
     for ours, theirs in zip(sticky.design(6, 2), standard.design(6, 2), strict=True):
         assert 5.0 <= ours.damping <= 9.0
         assert all(getattr(ours, name) == value for name, value in vars(theirs).items())
-    drawn = gym.make(OVERHEAD, disturbances=sticky).reset(seed=4)[1]["scenario"]
-    other = gym.make(OVERHEAD, disturbances="standard").reset(seed=4)[1]["scenario"]
+    ours, theirs = (gym.make(OVERHEAD, disturbances=own) for own in (sticky, "standard"))
+    for env in (ours, theirs):
+        env.reset(seed=4)
+    drawn, other = (env.unwrapped.task.scenarios[0] for env in (ours, theirs))
     assert isinstance(drawn, Sticky)
     assert drawn.winch_friction == other.winch_friction
     env = gym.make(OVERHEAD, disturbances=StickyRanges(damping=(0.0, 50.0)))

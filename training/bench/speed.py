@@ -57,7 +57,7 @@ STEPS = 100
 TOPICS = {
     **dict.fromkeys(("formulation", "scheme"), ("feedforward",)),
     **dict.fromkeys(("seeds", "seconds"), ("stream",)),
-    "rig": ("feedforward", "stream"),
+    "rig": ("feedforward", "stream", "vectors"),
     **dict.fromkeys(("output", "resume"), ("feedforward", "cranebench")),
     **dict.fromkeys(("samples", "json"), ("cranebench",)),
 }
@@ -85,6 +85,10 @@ def main(command: options.Bench) -> int:
         from . import governed
 
         return governed.main(command)
+    if command.topic == "vectors":
+        from . import vector_speed
+
+        return vector_speed.main(command)
     out = console()
     out.print(feedforward_table(command.repetitions))
     for lines in program_tables(command.repetitions):

@@ -176,7 +176,7 @@ def drive(
     end = np.tile(planned[-1], (num, 1))
     for row, (alive, info) in zip(planned[1:], steps, strict=False):  # the steps are endless
         for i in np.flatnonzero(~alive):
-            reasons[i] = reasons[i] or info["reason"][i]
+            reasons[i] = reasons[i] or task.reasons[info["reason"][i]]
         present = np.hstack((info["object"], info["rotation"].reshape(num, 9)))
         pose = np.where(alive[:, None], present, pose)
         squares = np.square(info["input"] / task.limits).mean(axis=1)

@@ -38,7 +38,6 @@ class Contest(CraneVectorEnv):
         if self.over.any():
             going = np.flatnonzero(~self.over).astype(np.int32)
         outcome = task.step(actions, going)
-        self.over = self.over | outcome.terminated | outcome.truncated
         info = task.info()
         return task.observation(), outcome.reward, outcome.terminated, outcome.truncated, info
 

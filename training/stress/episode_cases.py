@@ -124,9 +124,10 @@ def episode(env: CraneEnv, policy: Policy, **options: Any) -> Finding:
         if not 0.0 <= reward <= 1.0 or (np.abs(info["input"]) > limits).any():
             return Finding(math.inf, 1.0, f"reward {reward}, input {info['input']}")
         if terminated or truncated:
-            if not info["reason"]:
+            reason = env.reasons[info["reason"]]
+            if not reason:
                 return Finding(math.inf, 1.0, "an end without a reason")
-            raise Stopped(info["reason"])
+            raise Stopped(reason)
     return Finding(math.inf, 1.0, "an episode without an end")
 
 

@@ -1,0 +1,163 @@
+"""What tasks have: n simulations, plans, encoders, commands, rewards, and what is told of them.
+
+`flatrig.envs.episodes` lets episodes begin, go on and end in them.
+"""
+
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar, Generic, cast
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ..models.types import Array, Mask
+from ..models.values import bounded
+from .common import Ids, Steps
+from .gains import Gains, Track
+from .infos import Told, of_one
+from .option_checks import sensors_of, substeps_of
+from .plans import Layout, Planner, PlanT
+from .ranges import Ranges, ScenarioT
+from .rewards import Reward
+from .sensing import Observation
+from .signals import Band, Commands, Encoders, Rows
+from .simulations import Simulations
+
+
+class Parts(ABC, Generic[PlanT, ScenarioT]):
+    """A subclass calls `_prepare`, makes plant, planner and disturbances, and calls `_start`."""
+
+    num: int
+    """Number of simulations n."""
+    all: Ids
+    """Indices of all simulations, shape (n,)."""
+    sensor_sets: ClassVar[tuple[str, ...]] = ("encoders", "full")
+    """What can be observed."""
+    sensors: str
+    """What is observed, one of these."""
+    takes_inputs: ClassVar[bool] = True
+    """Whether actions are inputs over their limits."""
+    period: float
+    """Time between two steps [s]."""
+    limits: Array
+    """Largest magnitudes of the inputs, shape (drives,) [N, N m]."""
+    band: Band
+    """What actions are clipped to."""
+    plant: Simulations[PlanT, ScenarioT]
+    """The simulations."""
+    planner: Planner[PlanT]
+    """Makes the plans of episodes."""
+    disturbances: Ranges[ScenarioT]
+    """What scenarios are drawn from."""
+    scenarios: list[ScenarioT]
+    """Scenario of each simulation's episode."""
+    plans: list[PlanT]
+    """Plan of each simulation's episode, once it has begun."""
+    rows: Rows
+    """The plans' rows at the present steps."""
+    encoders: Encoders
+    """What is measured."""
+    over: Mask
+    """Whose episodes are over and have not begun anew, shape (n,)."""
+
+    def _prepare(
+        self, num: int, sensors: str, rate: float, timestep: float, hold: float,
+        nthread: int | None,
+    ) -> int:  # fmt: skip
+        """Check and keep the options that all tasks share; the substeps of a control period."""
+        bounded("number of simulations", num, least=1, whole=True)
+        bounded("hold", hold, least=0, unit="s")
+        if nthread is not None:
+            bounded("nthread", nthread, least=1, whole=True)
+        self.num, self.sensors = int(num), sensors_of(sensors, self.sensor_sets)
+        self.all = np.arange(self.num, dtype=np.int32)
+        substeps = substeps_of(rate, timestep)
+        self.period = substeps * timestep
+        return substeps
+
+    def _start(self, layout: Layout, levers: Array, length: float, band: Band) -> None:
+        """Prepare for first episodes; levers of outputs and a length [m] are the reward's."""
+        num = self.num
+        self.rows = Rows(layout, num, self.planner.fixed)
+        self.encoders = Encoders(self.plant, self.period)
+        self._observation = self._make_observation()
+        self._reward = Reward(num, levers, layout.drives, length)
+        self._undisturbed: ScenarioT = self.disturbances.scenario_type()
+        self.scenarios = [self._undisturbed] * num
+        self._told = Told(num, self._undisturbed, self.plant.ends)
+        self.over = np.zeros(num, bool)
+        self.plans = cast("list[PlanT]", [self.planner.fixed] * num)
+        self._new = set(range(num))
+        self._steps, self._countdown = np.zeros(num, dtype=np.int64), 0
+        self.band, self._commands = band, Commands(self._reward.change, band)
+        self._scale, self._one = np.tile(self.limits, (num, 1)), np.ones(num, dtype=np.int64)
+        self._names = self.action_names
+
+    @property
+    def observation_names(self) -> tuple[str, ...]:
+        """Names of the entries of an observation."""
+        return self._observation.names
+
+    @property
+    @abstractmethod
+    def action_names(self) -> tuple[str, ...]:
+        """Names of the entries of an action."""
+
+    @property
+    def steps(self) -> Steps:
+        """Steps of each simulation's episode so far, shape (n,), live."""
+        return self._steps
+
+    @property
+    def commands(self) -> Array:
+        """What was asked of the drives in the last step, over their limits, (n, drives), live."""
+        return self._commands.last
+
+    def observation(self) -> Array:
+        """What the sensors say, (n, entries), scaled to order one; the caller's own."""
+        return self._observation.read(self._commands.last)
+
+    @abstractmethod
+    def gains(self, track: Track = "moving") -> Gains:
+        """Gains of a PD controller for this task."""
+
+    @abstractmethod
+    def looks(self) -> mujoco.MjModel:
+        """The model with everything that is drawn."""
+
+    @property
+    def scenario_names(self) -> tuple[str, ...]:
+        """Names of the numbers of a scenario in `info`."""
+        return self._told.names
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why episodes can be over, by the index that `info` has; the first is "", they go on."""
+        return self._told.reasons
+
+    def info(self) -> dict[str, Any]:
+        """The truth, for evaluation: arrays (n, ...) that are the caller's own."""
+        return {name: values.copy() for name, values in self._tells().items()}
+
+    def info_of(self, sim: int) -> dict[str, Any]:
+        """The same of one simulation."""
+        return of_one(self._tells(), sim)
+
+    def _tells(self) -> dict[str, NDArray[Any]]:
+        """What `info` tells, live or new."""
+        tracking, smoothness = self._reward.terms.T
+        return {
+            **self._truth(),
+            "reward_tracking": tracking,
+            "reward_smoothness": smoothness,
+            "scenario": self._told.scenarios,
+            "reason": self._told.reason,
+        }
+
+    @abstractmethod
+    def _truth(self) -> dict[str, NDArray[Any]]:
+        """What `info` tells of the plants, (n, ...) each, live or new."""
+
+    @abstractmethod
+    def _make_observation(self) -> Observation:
+        """What a policy sees; plant, rows and encoders are ready."""
