@@ -187,6 +187,6 @@ def _gain(task: AnyTask, name: str, value: ArrayLike) -> Array:
     if gains.shape not in ((), (count,)) or not (np.isfinite(gains) & (gains >= 0)).all():
         raise OptionError(
             f"{name} is {shown(value)}, it must be {count} numbers >= 0, one for each of "
-            f"{', '.join(task.action_names)}"
+            f"{', '.join(task.acting.names)}"
         )
     return np.broadcast_to(gains, (count,)).copy()

@@ -84,7 +84,7 @@ class Task(Parts[PlanT, ScenarioT]):
         Parameters
         ----------
         actions
-            Inputs over their limits, (n, drives); clipped to `band`, mostly [-1, 1].
+            Inputs over their limits, (n, actions); clipped to `band`, mostly [-1, 1].
         ids
             The simulations to step, sorted; None for all.  The others stay as they are.
 
@@ -94,8 +94,13 @@ class Task(Parts[PlanT, ScenarioT]):
             Actions have another shape or are not finite numbers, an episode has not begun, or the
             process was forked from the task's, whose threads it lacks.
         """
+        names = self.action_names
+        wanted = actions_of(actions, (self.num, len(names)), names, lambda: none_of(ids, self.num))
+        return self._hold(self.acting.of_drives(wanted), ids)
+
+    def _hold(self, wanted: Array, ids: Ids | None) -> Outcome:
+        """The same with inputs of all drives, (n, drives)."""
         self.plant.require_threads()
-        wanted = actions_of(actions, self._scale.shape, self._names, lambda: none_of(ids, self.num))
         self._require_begun(ids)
         reward = self._advance(wanted, None) if ids is None else self._advance_some(wanted, ids)
         return self._judge(reward, ids)

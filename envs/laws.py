@@ -61,8 +61,8 @@ class Controller(gym.Wrapper[Any, Any, Any, Any]):
     ) -> None:
         super().__init__(env)
         self.law, self._options = law, dict(options or {})
-        task = task_of(env)
-        self._expected = task.limits.shape, task.action_names
+        self._task = task = task_of(env)
+        self._expected = (len(task.action_names),), task.action_names
 
     @property
     def spec(self) -> EnvSpec | None:  # type: ignore[override]
@@ -71,7 +71,8 @@ class Controller(gym.Wrapper[Any, Any, Any, Any]):
 
     def step(self, action: ArrayLike) -> Any:
         """Hand down what the law makes of the action."""
-        return self.env.step(self.law.apply(actions_of(action, *self._expected)[None])[0])
+        inputs = self._task.acting.of_drives(actions_of(action, *self._expected)[None])
+        return self.env.step(self._task.acting.of_actions(self.law.apply(inputs))[0])
 
 
 class VectorController(VectorWrapper[Any, Any, Any, Any, Any]):
@@ -82,9 +83,10 @@ class VectorController(VectorWrapper[Any, Any, Any, Any, Any]):
     ) -> None:
         super().__init__(env)
         self.law, self._options = law, dict(options or {})
-        task = task_of(env)
+        self._task = task = task_of(env)
         base: Any = env.unwrapped
-        self._expected = (task.num, *task.limits.shape), task.action_names, lambda: base.over
+        names = task.action_names
+        self._expected = (task.num, len(names)), names, lambda: base.over
 
     @property
     def spec(self) -> EnvSpec | None:  # type: ignore[override]
@@ -98,7 +100,8 @@ class VectorController(VectorWrapper[Any, Any, Any, Any, Any]):
 
     def step(self, actions: ArrayLike) -> Any:
         """Hand down what the law makes of the actions."""
-        return self.env.step(self.law.apply(actions_of(actions, *self._expected)))
+        inputs = self._task.acting.of_drives(actions_of(actions, *self._expected))
+        return self.env.step(self._task.acting.of_actions(self.law.apply(inputs)))
 
 
 def _spec_with(below: EnvSpec | None, law: Law, options: dict[str, Any]) -> EnvSpec | None:

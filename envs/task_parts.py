@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..models.types import Array, Mask
 from ..models.values import bounded
+from .acting import Acting
 from .common import Ids, Steps
 from .gains import Gains, Track
 from .infos import Told, of_one
@@ -41,6 +42,8 @@ class Parts(ABC, Generic[PlanT, ScenarioT]):
     """Time between two steps [s]."""
     limits: Array
     """Largest magnitudes of the inputs, shape (drives,) [N, N m]."""
+    acting: Acting
+    """Which drives actions are of."""
     band: Band
     """What actions are clipped to."""
     plant: Simulations[PlanT, ScenarioT]
@@ -75,9 +78,11 @@ class Parts(ABC, Generic[PlanT, ScenarioT]):
         self.period = substeps * timestep
         return substeps
 
-    def _start(self, layout: Layout, levers: Array, length: float, band: Band) -> None:
+    def _start(
+        self, acting: Acting, layout: Layout, levers: Array, length: float, band: Band
+    ) -> None:
         """Prepare for first episodes; levers of outputs and a length [m] are the reward's."""
-        num = self.num
+        num, self.acting = self.num, acting
         self.rows = Rows(layout, num, self.planner.fixed)
         self.encoders = Encoders(self.plant, self.period)
         self._observation = self._make_observation()
@@ -91,7 +96,6 @@ class Parts(ABC, Generic[PlanT, ScenarioT]):
         self._steps, self._countdown = np.zeros(num, dtype=np.int64), 0
         self.band, self._commands = band, Commands(self._reward.change, band)
         self._scale, self._one = np.tile(self.limits, (num, 1)), np.ones(num, dtype=np.int64)
-        self._names = self.action_names
 
     @property
     def observation_names(self) -> tuple[str, ...]:
@@ -99,9 +103,9 @@ class Parts(ABC, Generic[PlanT, ScenarioT]):
         return self._observation.names
 
     @property
-    @abstractmethod
     def action_names(self) -> tuple[str, ...]:
         """Names of the entries of an action."""
+        return self.acting.action_names
 
     @property
     def steps(self) -> Steps:

@@ -16,6 +16,7 @@ from .exact.problem import analyse, equations_of
 from .exact.state import State
 from .exact.structure import Analysis
 from .exact.verification import residuals
+from .paths.base_motion import BaseMotion
 from .paths.continuing import Connected, Stopped, connected, stopped
 from .paths.curves import Curve, CurvedPath, Polynomial, Waypoints, along, over
 from .paths.moves import from_move
@@ -23,6 +24,7 @@ from .paths.profiles import Profile, RestToRest, ThreePhase
 from .paths.recordings import from_csv, sampled
 from .paths.reference import Reference
 from .paths.straight import hold, rest_to_rest, three_phase
+from .paths.waves import at_sea, base_at
 from .planning.bisector import Beside, Bisected, beside, bisected, massless
 from .planning.feasibility import Feasibility, check
 from .planning.obstacles import Box, Clearance, Sphere, clearance
@@ -39,6 +41,7 @@ from .streaming.stream import Stream
 
 __all__ = [
     "Analysis",
+    "BaseMotion",
     "Beside",
     "Bisected",
     "Box",
@@ -71,6 +74,8 @@ __all__ = [
     "Waypoints",
     "along",
     "analyse",
+    "at_sea",
+    "base_at",
     "beside",
     "bisected",
     "check",

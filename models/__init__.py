@@ -30,7 +30,7 @@ from .rig.cable_robots import cable_robot
 from .rig.catalogue import CATALOGUE, default_move, full_name, make, printed_move
 from .rig.fingerprint import fingerprint
 from .rig.manipulators import cable_manipulator
-from .rig.move import Move, Wave
+from .rig.move import Move
 from .rig.navy_cranes import navy_crane_2d, navy_crane_3d
 from .rig.payload import two_masses
 from .rig.rig import (
@@ -49,6 +49,8 @@ from .rig.rig import (
     Trolley,
     require_rig,
 )
+from .rig.sea import Record, Wave
+from .rig.ship_cranes import navy_ship_crane, ship_crane
 from .rig.spreader_cranes import container_crane, double_pendulum_crane
 from .rig.tandem_cranes import tandem_lift
 from .rig.toml import dump, dumps, load, load_move, loads
@@ -92,6 +94,7 @@ __all__ = [
     "Plate",
     "Platform",
     "Rail",
+    "Record",
     "Rig",
     "RigError",
     "Rope",
@@ -129,11 +132,13 @@ __all__ = [
     "make_hand",
     "navy_crane_2d",
     "navy_crane_3d",
+    "navy_ship_crane",
     "overhead_crane",
     "printed_move",
     "roped_overhead_crane",
     "rotary_crane",
     "rotary_crane_small",
+    "ship_crane",
     "tandem_lift",
     "three_finger_hand",
     "two_finger_hand",

@@ -1,5 +1,6 @@
-"""Cranes whose base moves as given: the ship of docs/how-to/ship.md, and the Navy crane at sea."""
+"""Cranes whose base moves as given: the ship of docs/how-to/ship.md, and those of the catalogue."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,41 +13,14 @@ from flatrig import feedforward, models
 from flatrig.feedforward.exact.branch import branch_of
 from flatrig.feedforward.exact.problem import problem_of
 from flatrig.feedforward.solving.inverse import interpreted
-from flatrig.models import Drive, Frame, PathError, RigError
+from flatrig.models import PathError, RigError, Wave
 from flatrig.models.mjcf import rig_model
 from flatrig.models.mjcf.simulate import accelerations
-from flatrig.models.rig.move import Wave
 from flatrig.training.simulate.open_loop import open_loop
 
 FILE = Path(__file__).resolve().parents[1] / "docs" / "how-to" / "ship_crane.toml"
 RIG, MOVE = models.load(FILE)
 assert MOVE is not None
-
-
-def given(name, kind, axis, parent):
-    return Frame(name, kind, axis=axis, parent=parent, given=True)
-
-
-def navy_at_sea(share):
-    """The Navy crane on a ship; its sea is a share of heave 1 m, roll 3 and pitch 2 degrees."""
-    navy = models.navy_crane_3d()
-    base = (
-        given("heave", "sliding", (0.0, 0.0, 1.0), "world"),
-        given("roll", "turning", (1.0, 0.0, 0.0), "heave"),
-        given("pitch", "turning", (0.0, 1.0, 0.0), "roll"),
-    )
-    boom = replace(navy.frames[0], parent="pitch")
-    rig = replace(
-        navy,
-        frames=(*base, boom),
-        drives=(*navy.drives, *(Drive(frame.name, frame.name, 10.0) for frame in base)),
-        outputs=(*navy.outputs, *(frame.coordinate for frame in base)),
-    )
-    move = models.default_move(navy)
-    still = (*move.start, 0.0, 0.0, 0.0)
-    seas = ((4, 1.0, 8.0, 0.3), (5, np.radians(3), 10.0, 1.1), (6, np.radians(2), 7.0, 2.0))
-    waves = tuple(Wave(column, share * size, *rest) for column, size, *rest in seas)
-    return rig, replace(move, start=still, goal=still, duration=20.0, order=6, waves=waves)
 
 
 def test_inputs_of_a_base_are_its_accelerations_and_the_load_stays_in_the_world():
@@ -100,27 +74,34 @@ def test_accelerations_are_those_of_mujoco():
 
 
 def test_the_navy_crane_works_in_a_third_of_the_sea_and_no_more():
-    calm, rough = (
-        feedforward.check(rig, feedforward.from_move(move), rate=20.0)
-        for rig, move in map(navy_at_sea, (1 / 3, 1.0))
-    )
-    assert not any("push" in problem for problem in calm.problems)
-    assert any("rope tagline would have to push from" in problem for problem in rough.problems)
+    rig, move = models.navy_ship_crane(), models.default_move("navy_ship_crane")
+    rough = replace(move, waves=[replace(w, amplitude=3.0 * w.amplitude) for w in move.waves])
+    assert feedforward.check(rig, feedforward.from_move(move), rate=20.0).feasible
+    report = feedforward.check(rig, feedforward.from_move(rough), rate=20.0)
+    line = r"rope suspension would have to push from \d+\.\d+ s to \d+\.\d+ s \(down to -15\d"
+    assert re.match(line, report.problems[0])
+    with pytest.raises(models.OptionError, match=r"suspension would have to push from .* s to"):
+        gym.make("flatrig/NavyShipCrane-v0", reference=rough)
 
 
-def test_episodes_start_in_motion_and_no_action_moves_the_ship():
+def test_episodes_start_in_motion_and_no_action_is_of_the_ship():
     env = envs.Feedforward(envs.PD(gym.make("flatrig/Rig-v0", rig=FILE, sensors="full")))
     _, info = env.reset(seed=0)
     task = env.unwrapped.task
     assert np.abs(info["load"] - info["reference"]).max() < 1e-12
     assert np.abs(task.plant.drive_rates[0, 3:]).min() > 1e-3
     for _ in range(200):
-        *_, terminated, _, info = env.step(np.array([0.0, 0.0, 0.0, 1.0, -1.0, 1.0]))
+        *_, terminated, _, info = env.step(np.zeros(3))
         assert not terminated
     assert np.abs(info["load"] - info["reference"]).max() < 1e-3
     path = feedforward.from_move(MOVE)([200 * task.period])[0]
     assert task.plant.drive_positions[0, 3:] == pytest.approx(path[3:], abs=1e-5)
     assert {"heave.position", "pitch.rate"} < set(env.unwrapped.observation_names)
+    assert env.unwrapped.action_names == ("girder", "trolley", "winch")
+    with pytest.raises(models.OptionError, match=r"shape \(6,\), it must have shape \(3,\)"):
+        env.step(np.zeros(6))
+    led = gym.make("flatrig/Rig-v0", rig=FILE, reference="operator")
+    assert led.unwrapped.action_names == tuple(f"load.{axis}.velocity" for axis in "xyz")
 
 
 def test_one_ship_or_several_to_the_last_bit():
@@ -132,7 +113,7 @@ def test_one_ship_or_several_to_the_last_bit():
     for number, env in enumerate(alone):
         assert np.array_equal(env.reset(seed=5 + number)[0], seen[number])
     for _ in range(20):
-        actions = random.uniform(-0.05, 0.05, (2, 6))
+        actions = random.uniform(-0.05, 0.05, (2, 3))
         seen, rewards, *_ = several.step(actions)
         for number, env in enumerate(alone):
             observation, reward, *_ = env.step(actions[number])
@@ -165,19 +146,3 @@ def test_what_a_base_cannot_be():
         replace(RIG, drives=(*RIG.drives[:4], RIG.drives[5]))
     with pytest.raises(RigError, match=r"needs heave\.position among the outputs"):
         replace(RIG, outputs=("load.x", "load.y", "load.z", "hoist.length", *RIG.outputs[4:]))
-
-
-def test_what_does_not_hold_a_moving_base_says_so():
-    reference = feedforward.from_move(MOVE)
-    with pytest.raises(RigError, match="given: a stream leads what stands at rest"):
-        feedforward.Stream(RIG, MOVE.start)
-    with pytest.raises(RigError, match="given: no formulation steps through that"):
-        feedforward.integrate(RIG, reference, step=0.1)
-    with pytest.raises(PathError, match="another duration would change the sea's periods"):
-        feedforward.shortest_duration(RIG, reference)
-
-
-def test_a_sea_that_starts_with_a_jump_is_refused():
-    wave = (Wave(0, 1.0, 8.0),)
-    with pytest.raises(PathError, match=r"a wave is in load.x, which has to start in rest"):
-        feedforward.solve(RIG, feedforward.from_move(replace(MOVE, waves=wave)), 0.0)

@@ -97,7 +97,7 @@ def drive_signals(task: AnyTask, home: Array, speeds: Array, excess: Excess) -> 
     rows, encoders, drives = task.rows, task.encoders, len(task.limits)
 
     def named(what: str) -> list[str]:
-        return [f"{name} {what}" for name in task.action_names]
+        return [f"{name} {what}" for name in task.acting.names]
 
     def planned() -> Array:
         return rows.parts["drives"][:, drives:]
@@ -140,7 +140,7 @@ def crane_features(
     time_constants
         Of the filters [s].
     """
-    names, forces = task.action_names, DriveForces(task, speeds)
+    names, forces = task.acting.names, DriveForces(task, speeds)
     home = task.plant.drives_at(task.plant.home)
     signals = [
         *drive_signals(task, home, speeds, forces.excess),
@@ -173,7 +173,7 @@ def hand_features(task: HandTask, time_constants: Sequence[float]) -> Features:
     drives = len(task.limits)
 
     def named(what: str) -> list[str]:
-        return [f"{name} {what}" for name in task.action_names]
+        return [f"{name} {what}" for name in task.acting.names]
 
     signals = [
         Signal(named("error"), lambda: encoders.errors[:, :drives], True),

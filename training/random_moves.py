@@ -138,12 +138,12 @@ def _within(rig: Rig, move: Move, bounds: Array, pace: float) -> bool:
 
 def _motion(rig: Rig, move: Move) -> feedforward.Motion:
     times = np.linspace(0.0, move.duration, SAMPLES)
-    return feedforward.solve(rig, feedforward.from_move(move), times)
+    return feedforward.solve(rig, feedforward.from_move(move, rig), times)
 
 
 def _planned(rig: Rig, move: Move) -> bool:
     try:
-        make_plan(rig, feedforward.from_move(move), PERIOD, 0.0)
+        make_plan(rig, feedforward.from_move(move, rig), PERIOD, 0.0)
     except FlatrigError:
         return False
     return True

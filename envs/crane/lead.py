@@ -14,8 +14,10 @@ import numpy as np
 
 from ... import feedforward
 from ...feedforward.exact.state import State
+from ...feedforward.paths.base_motion import BaseMotion
 from ...feedforward.paths.joined import Joined
 from ...feedforward.paths.reference import Reference, ReferencePath
+from ...feedforward.paths.waves import base_at, still
 from ...models.errors import PathError
 from ...models.rig.rig import Rig
 from ...models.types import Array
@@ -84,6 +86,16 @@ class SoFar(ReferencePath):
     def duration(self) -> float:
         """When the crane rests [s]."""
         return self._path.duration
+
+    @property
+    def still(self) -> Reference:
+        """Without a base's motion."""
+        inner = still(self._path)
+        return self if inner is self._path else inner
+
+    def base_at(self, time: float) -> BaseMotion | None:
+        """How a base moves from some time on."""
+        return base_at(self._path, time)
 
     def _derivatives(self, times: Array, order: int) -> Array:
         return self._path.derivatives(times, order)

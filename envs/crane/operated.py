@@ -33,16 +33,18 @@ class OperatedTask(CraneTask):
 
     def __init__(self, rig: Any = None, reference: Any = OPERATOR, **options: Any) -> None:
         super().__init__(rig, reference, **options)
-        self.speeds = FULL / levers(self.rig, self.scales)
-        """What an action of 1 is of each output [m/s, rad/s], shape (outputs,)."""
+        given = {frame.coordinate for frame in self.rig.frames if frame.given}
+        self._led = [i for i, name in enumerate(self.rig.outputs) if name not in given]
+        self.speeds = (FULL / levers(self.rig, self.scales))[self._led]
+        """What an action of 1 is of each output that is led [m/s, rad/s], shape (actions,)."""
         self._feedback = PDLaw(self, self.gains("moving"), True, True)
         self._feedforward = FeedforwardLaw(self, self._feedback)
         self._nothing = np.zeros((self.num, len(self.limits)))
 
     @property
     def action_names(self) -> tuple[str, ...]:
-        """Names of the entries of an action: velocities of the rig's outputs."""
-        return tuple(f"{output}.velocity" for output in self.rig.outputs)
+        """Names of the entries of an action: velocities of outputs, but for a base's."""
+        return tuple(f"{self.rig.outputs[i]}.velocity" for i in self._led)
 
     def step(self, actions: ArrayLike, ids: Ids | None = None) -> Outcome:
         """Lead the loads over one control period.
@@ -50,7 +52,7 @@ class OperatedTask(CraneTask):
         Parameters
         ----------
         actions
-            Velocities over `speeds`, (n, outputs); clipped to [-1, 1].
+            Velocities over `speeds`, (n, actions); clipped to [-1, 1].
         ids
             The simulations to step, sorted; None for all.  The others stay as they are.
 
@@ -63,10 +65,12 @@ class OperatedTask(CraneTask):
         idle = none_of(ids, self.num)
         wanted = actions_of(actions, (self.num, len(names)), names, lambda: idle)
         self.lead(self._speeds_of(wanted)[~idle], np.flatnonzero(~idle).astype(np.int32))
-        return super().step(self._feedback.apply(self._feedforward.apply(self._nothing)), ids)
+        return self._hold(self._feedback.apply(self._feedforward.apply(self._nothing)), ids)
 
     def _speeds_of(self, actions: Array) -> Array:
-        return np.asarray(np.clip(actions, -1.0, 1.0) * self.speeds)
+        speeds = np.zeros((len(actions), len(self.rig.outputs)))
+        speeds[:, self._led] = np.clip(actions, -1.0, 1.0) * self.speeds
+        return speeds
 
 
 def crane_task(rig: Any, num: int, **options: Any) -> CraneTask:

@@ -12,6 +12,7 @@ from ...feedforward.exact.motion import Motion
 from ...feedforward.exact.state import State
 from ...feedforward.paths.joined import Joined
 from ...feedforward.paths.reference import Reference
+from ...feedforward.paths.waves import base_at
 from ...models.errors import OptionError
 from ...models.rig.rig import Rig
 from ...models.types import Array
@@ -176,7 +177,9 @@ def feedforward_with(rig: Rig, plan: CranePlan, load_mass: float) -> Array:
 
 
 def _moving(reference: Reference, period: float, steps: int) -> int:
-    """How many rows of a plan are before arrival, the first at rest included."""
+    """How many rows of a plan are before arrival, the first at rest included; all at sea."""
+    if base_at(reference, 0.0) is not None:
+        return steps + 1
     return min(steps, math.ceil(reference.duration / period)) + 1
 
 

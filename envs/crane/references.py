@@ -10,6 +10,7 @@ import numpy as np
 from ... import feedforward, models
 from ...feedforward.exact.state import State
 from ...feedforward.paths.reference import Reference
+from ...feedforward.paths.waves import at_sea, base_at, still
 from ...models.errors import FlatrigError, OptionError
 from ...models.rig.move import Move
 from ...models.rig.rig import Rig
@@ -43,8 +44,8 @@ HEADROOM = 0.9
 """Share of the drives' limits that a drawn move may use: controllers need the rest."""
 
 
-def as_reference(value: object) -> Reference:
-    """A move made into a path; a path as it is.
+def as_reference(value: object, rig: Rig) -> Reference:
+    """A move of a rig made into a path; a path as it is.
 
     Raises
     ------
@@ -52,7 +53,7 @@ def as_reference(value: object) -> Reference:
         It is neither.
     """
     if isinstance(value, Move):
-        return feedforward.from_move(value)
+        return feedforward.from_move(value, rig)
     if not hasattr(value, "derivatives"):
         raise OptionError(f"reference is {shown(value)}, it must be a Reference or a Move")
     return cast("Reference", value)
@@ -61,13 +62,20 @@ def as_reference(value: object) -> Reference:
 def continuing(value: object, state: State) -> Reference:
     """A path that continues a motion: as it is, or made by a function of the motion's state.
 
+    A move goes on in the sea that is there.
+
     Raises
     ------
     OptionError
         It is neither.
     """
     made = value if hasattr(value, "derivatives") or not callable(value) else value(state)
-    return as_reference(made)
+    path = as_reference(made, state.problem.rig)
+    if isinstance(made, Move) and state.base is not None:
+        own = base_at(path, 0.0)
+        deck = None if own is None else own.deck
+        return at_sea(still(path), replace(state.base, deck=deck))
+    return path
 
 
 def default_move(rig: Rig) -> Move:
@@ -89,9 +97,10 @@ def as_profile(move: Move) -> Move:
     """A sampled move as a polynomial one between its ends; any other as it is."""
     if move.profile != "sampled":
         return move
-    path = feedforward.from_move(move)
+    path = feedforward.from_move(replace(move, waves=(), records=(), frame=""))
     start, goal = (tuple(np.asarray(end).tolist()) for end in (path.start, path.goal))
-    return Move(start, goal, duration=path.duration, order=move.order)
+    plain = Move(start, goal, duration=path.duration, order=move.order)
+    return replace(plain, waves=move.waves, records=move.records, frame=move.frame)
 
 
 class RandomEnds(NamedTuple):
@@ -171,7 +180,7 @@ class RandomMoves:
             None of `TRIES` draws can be followed.
         """
         for _ in range(TRIES):
-            reference = as_reference(self._draw(generator))
+            reference = as_reference(self._draw(generator), self.rig)
             if self._feasible(reference):
                 return reference
         raise OptionError(
@@ -211,6 +220,7 @@ class CranePlanner(Planner[CranePlan]):
         self._rig, self._move = rig, move
         if isinstance(option, str) and option == OPERATOR:
             option = feedforward.hold(as_profile(self.default()).start, SHIFT)
+            option = at_sea(option, base_at(as_reference(self.default(), rig), 0.0))
         super().__init__(option, period, hold)
 
     def default(self) -> Move:
@@ -229,7 +239,7 @@ class CranePlanner(Planner[CranePlan]):
         """The plan for a given reference; one that is made already, with a hold of its own."""
         if isinstance(reference, CranePlan):
             return reference
-        return make_plan(self._rig, as_reference(reference), self.period, self.hold)
+        return make_plan(self._rig, as_reference(reference, self._rig), self.period, self.hold)
 
     def draws_anew(self, sampler: Sampler) -> bool:
         """Only a random move's coarse samples may promise too much; a user's draw is an error."""

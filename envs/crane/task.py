@@ -2,7 +2,7 @@
 
     task = CraneTask(models.overhead_crane(), num=64, disturbances="standard")
     task.reset(task.all, [np.random.default_rng(seed) for seed in range(64)])
-    outcome = task.step(actions)                # actions (64, drives) in [-1, 1]
+    outcome = task.step(actions)                # actions (64, inputs) in [-1, 1]
     task.observation()                          # (64, entries), named by task.observation_names
 
 `flatrig.envs.crane.env` gives it Gymnasium's two interfaces, and the
@@ -22,6 +22,7 @@ from ... import models
 from ...models.errors import OptionError
 from ...models.rig.rig import Rig
 from ...models.types import Array
+from ..acting import Acting
 from ..common import Ids, none_of
 from ..episodes import Task
 from ..gains import Gains, Track
@@ -119,15 +120,12 @@ class CraneTask(Task[CranePlan, Scenario]):
         self._lines: dict[int, Line] = {}
         self._power = PowerLimits(self.plant, self.limits)
         arms, band = levers(self.rig, self.scales), band_of(self.rig, self.period)
-        self._start(layout_of(self.rig), arms, self.scales.length, band)
-        if given_drives(self.rig):
+        given = given_drives(self.rig)
+        acting = Acting.without(self.rig.input_names, given)
+        self._start(acting, layout_of(self.rig), arms, self.scales.length, band)
+        if given:
             model, batch = self.plant.model, self.plant.batch
             self.plant.base = MovingBase(self.rig, model, batch, self.rows, self.limits)
-
-    @property
-    def action_names(self) -> tuple[str, ...]:
-        """Names of the entries of an action: the rig's inputs."""
-        return self.rig.input_names
 
     def reset(
         self,

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from ...models.hand.hand import Hand, Tip
 from ...models.mjcf.hand_model import RECOMMENDED, compile_hand
 from ...models.types import Array
+from ..acting import Acting
 from ..episodes import Task
 from ..gains import Gains, Track
 from ..rewards import NEAR
@@ -97,12 +98,8 @@ class HandTask(Task[HandPlan, HandScenario]):
         # Half the squared difference of two rotation matrices is the squared angle, if small.
         levers = np.repeat((1.0, hand.held.radius / np.sqrt(2.0)), (3, 9))
         band = whole_band(len(self.limits))
-        self._start(hand_layout(hand), levers, hand.held.radius * NEAR_SHARE / NEAR, band)
-
-    @property
-    def action_names(self) -> tuple[str, ...]:
-        """Names of the entries of an action: the hand's motors."""
-        return drive_names(self.hand)
+        near = hand.held.radius * NEAR_SHARE / NEAR
+        self._start(Acting(drive_names(hand)), hand_layout(hand), levers, near, band)
 
     def gains(self, track: Track = "moving") -> Gains:
         """Gains of a critically damped PD controller for what each motor moves by itself."""

@@ -15,6 +15,11 @@ SHARES = 17
 """Steps in which a base at rest in its pose at the start comes to move as it does."""
 
 
+def given_columns(rig: Rig) -> tuple[int, ...]:
+    """Columns of a path that say how a base moves: they need not rest anywhere."""
+    return tuple(rig.outputs.index(frame.coordinate) for frame in rig.frames if frame.given)
+
+
 def accept_waves(rig: Rig, reference: Reference) -> None:
     """Refuse waves in what cannot move from the start on.
 
@@ -24,17 +29,17 @@ def accept_waves(rig: Rig, reference: Reference) -> None:
         A column is none of the rig's, or not of a frame whose motion is given.
     """
     given = {frame.coordinate for frame in rig.frames if frame.given}
-    for wave in reference.waves if isinstance(reference, AtSea) else ():
-        if not 0 <= wave.column < len(rig.outputs):
+    for what, column in reference.base.columns if isinstance(reference, AtSea) else ():
+        if not 0 <= column < len(rig.outputs):
             raise PathError(
-                f"a wave is in column {wave.column}, rig {rig.name} has 0 to {len(rig.outputs) - 1}"
+                f"{what} is in column {column}, rig {rig.name} has 0 to {len(rig.outputs) - 1}"
             )
-        output = rig.outputs[wave.column]
+        output = rig.outputs[column]
         if output not in given:
             named = f"only {' and '.join(sorted(given))}" if given else "there is none"
             raise PathError(
-                f"a wave is in {output}, which has to start in rest: waves are for frames whose "
-                f"motion is given, {named}"
+                f"{what} is in {output}, which has to start in rest: {what[2:]}s are for frames "
+                f"whose motion is given, {named}"
             )
 
 
@@ -50,10 +55,12 @@ def set_moving(
     PathError
         There are none.
     """
-    if not isinstance(reference, AtSea):
+    if not any(frame.given for frame in problem.rig.frames):
         return start
-    shares = np.linspace(0.0, 1.0, SHARES)
-    taylor = np.repeat(taylor_of(reference, np.zeros(1), problem.order), SHARES, axis=1)
+    shares, there = np.linspace(0.0, 1.0, SHARES), taylor_of(reference, np.zeros(1), problem.order)
+    if not there[1:].any():
+        return start
+    taylor = np.repeat(there, SHARES, axis=1)
     taylor[1:] *= shares[:, None]
     solution = expand(problem, taylor, start, follow=True)
     wrong = first_wrong(solution, signs, shares)

@@ -18,9 +18,9 @@ from ...models.errors import PathError
 from ...models.types import Array
 from ..paths.consistency import accept_rest, verify_reference
 from ..paths.reference import Reference, taylor_of
-from ..paths.waves import still
+from ..paths.waves import base_at, still
 from ..series.products import factorials
-from .at_sea import accept_waves, set_moving
+from .at_sea import accept_waves, given_columns, set_moving
 from .between import look_between
 from .equations import Equations
 from .held_freedoms import stay_held
@@ -118,6 +118,7 @@ class Branch:
             unknowns=values[:, 0],
             signs=self.signs,
             angles={name: float(angle[0]) for name, angle in angles.items()},
+            base=base_at(self.reference, time),
         )
 
 
@@ -138,15 +139,17 @@ def branch_of(
     accept(problem, reference)
     accept_waves(problem.rig, reference)
     if verify:
+        free = given_columns(problem.rig)
         verify_reference(
-            still(reference), problem.rig.outputs, problem.order, moving=begin is not None
-        )
+            still(reference), problem.rig.outputs, problem.order,
+            moving=begin is not None, free=free,
+        )  # fmt: skip
     if begin is not None:
         accept_join(problem, begin, reference)
         outset = Outset(begin.unknowns[:, None], begin.signs, begin.angles, False)
     else:
         if verify:
-            accept_rest(still(reference), problem.rig.outputs, problem.order)
+            accept_rest(still(reference), problem.rig.outputs, problem.order, free)
         outset = _outset(problem, reference)
         moving = set_moving(problem, reference, outset.start, outset.signs)
         outset = outset._replace(start=moving)

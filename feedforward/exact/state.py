@@ -14,6 +14,7 @@ import numpy as np
 from ...models.errors import PathError, RigError
 from ...models.types import Array
 from ...models.values import shown
+from ..paths.base_motion import BaseMotion
 from ..paths.reference import Reference
 from .problem import Problem
 
@@ -38,6 +39,16 @@ class State:
     """Sign of each block's determinant on the branch."""
     angles: dict[str, float]
     """Continuous angles of the turning frames [rad], with all their turns."""
+    base: BaseMotion | None = None
+    """How a base moves from then on, if one does."""
+
+    @property
+    def still(self) -> Array:
+        """`derivatives` without what the base's motion adds to them."""
+        if self.base is None:
+            return self.derivatives
+        added = self.base.added(self.derivatives[:, None], np.zeros(1), back=True)
+        return np.asarray(added[:, 0])
 
     def __post_init__(self) -> None:
         for array in (self.derivatives, self.unknowns):

@@ -7,8 +7,9 @@ that follow are then wrong without a sign of it.  Two looks at a few hundred ins
 
 - Jumps.  Where a derivative bends most between the samples, the interval is cut into eighths, and
   the one with the largest change again, down to rounding.  What varies smoothly has no change left
-  there; what jumps has all of it.  Before its start and after its end the path is at rest, so that
-  a derivative that does not vanish at an end is a jump like any other.
+  there; what jumps has all of it.  Before its start and after its end the path is at rest, but for
+  a base that moves as given, so that a derivative that does not vanish at an end is a jump like any
+  other.
 - Slopes.  Each derivative is compared with the extrapolated central difference of the one before.
   Where the differences of two steps disagree they say nothing, so that a bend within the step
   accuses nobody.
@@ -58,8 +59,10 @@ def is_own(part: object) -> bool:
     return all(is_own(value) for value in values if hasattr(value, "derivatives"))
 
 
-def accept_rest(reference: Reference, names: tuple[str, ...], order: int) -> None:
-    """Refuse a reference that starts moving.
+def accept_rest(
+    reference: Reference, names: tuple[str, ...], order: int, free: tuple[int, ...] = ()
+) -> None:
+    """Refuse a reference that starts moving in other columns than the `free` ones.
 
     Raises
     ------
@@ -71,6 +74,7 @@ def accept_rest(reference: Reference, names: tuple[str, ...], order: int) -> Non
     values = reference.derivatives(np.linspace(0.0, reference.duration, ENDS), order)
     sizes = _sizes(values, reference.duration)
     wrong = np.abs(values[1:, 0]) > TOLERANCE * sizes[1:]
+    wrong[:, list(free)] = False
     for k, column in np.argwhere(wrong)[:1]:
         raise PathError(
             f"the reference starts moving, derivative {k + 1} of {names[column]} is "
@@ -79,7 +83,12 @@ def accept_rest(reference: Reference, names: tuple[str, ...], order: int) -> Non
 
 
 def verify_reference(
-    reference: Reference, names: tuple[str, ...], order: int, *, moving: bool = False
+    reference: Reference,
+    names: tuple[str, ...],
+    order: int,
+    *,
+    moving: bool = False,
+    free: tuple[int, ...] = (),
 ) -> None:
     """Refuse a reference whose derivatives up to `order` contradict one another.
 
@@ -93,6 +102,8 @@ def verify_reference(
         Highest derivative that will be used; none beyond those it claims to have is looked at.
     moving
         Whether it may start moving, and has nothing to say about earlier times.
+    free
+        Columns that need not rest outside: of a base, which moves as given.
 
     Raises
     ------
@@ -103,7 +114,7 @@ def verify_reference(
     if is_own(reference):
         return
     order = min(order, reference.order)
-    within = _Within(reference, names, order)
+    within = _Within(reference, names, order, free)
     step = 1.0 / GRID
     shares = step * np.arange(0.0 if moving else -1.0, GRID + 2.0)
     values = within(shares)
@@ -125,9 +136,11 @@ def _sizes(values: Array, duration: float) -> Array:
 class _Within:
     """Derivatives of a reference by the share of its duration; outside 0 to 1 those of rest."""
 
-    def __init__(self, reference: Reference, names: tuple[str, ...], order: int) -> None:
+    def __init__(
+        self, reference: Reference, names: tuple[str, ...], order: int, free: tuple[int, ...]
+    ) -> None:
         self.reference, self.names, self.order = reference, names, order
-        self.duration = reference.duration
+        self.duration, self.free = reference.duration, list(free)
 
     def __call__(self, shares: Array) -> Array:
         """Derivatives at shares (N,), shape (order+1, N, size)."""
@@ -135,6 +148,8 @@ class _Within:
         before, after = shares < 0.0, shares > 1.0
         values[0, before], values[0, after] = self.reference.start, self.reference.goal
         values[1:, before | after] = 0.0
+        if self.free:
+            values[..., self.free] = self.given(self.duration * shares)[..., self.free]
         return values
 
     def given(self, times: Array) -> Array:

@@ -5,6 +5,8 @@
     stop = stopped(reference, at=2.0, duration=1.5)                     # slows down on its path
     solve(rig, stop, times, begin=state)
 
+A base that moves goes on where a state says so: connected(state, goal, ...).
+
 Both join what they continue with as many derivatives as their `order` says, and end in rest.
 Asked before 0, they answer as at 0.
 """
@@ -12,6 +14,7 @@ Asked before 0, they answer as at 0.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -20,9 +23,25 @@ from ...models.types import Array
 from ...models.values import as_number, reals
 from ..checks import check_duration, check_order, check_point
 from ..series.products import compose, factorials, product
+from .base_motion import BaseMotion
 from .polynomials import blend_sum, rising
 from .profiles import RestToRest, fractions
 from .reference import Reference, ReferencePath, taylor_of
+from .waves import at_sea, base_at, still
+
+
+@runtime_checkable
+class Moving(Protocol):
+    """What a `State` says of the outputs: without a base's motion, and that."""
+
+    @property
+    def still(self) -> Array:
+        """Outputs and their derivatives without what a base adds to them, (order+1, size)."""
+
+    @property
+    def base(self) -> BaseMotion | None:
+        """How a base moves from then on."""
+
 
 HIGHEST_ORDER = 20
 """Of a path that starts moving: rounding in the polynomials stays below a millionth."""
@@ -78,18 +97,18 @@ class Connected(ReferencePath):
 
 
 def connected(
-    derivatives: Sequence[Sequence[float]] | Array,
+    derivatives: Sequence[Sequence[float]] | Array | Moving,
     goal: Sequence[float] | Array,
     duration: float,
     order: int | None = None,
-) -> Connected:
+) -> Reference:
     """The polynomial from a moving start to rest at a goal, of degree 2 `order` + 1.
 
     Parameters
     ----------
     derivatives
         Outputs at the start and their derivatives, as `State.derivatives` has them, shape
-        (order+1 or more, size).
+        (order+1 or more, size).  Or a `State`: where its base moves that goes on.
     goal
         Where it ends, shape (size,).
     duration
@@ -104,6 +123,8 @@ def connected(
         A number is not finite, there are fewer derivatives than the order asks for, or they and
         the goal are not of the same outputs.
     """
+    if isinstance(derivatives, Moving):
+        return at_sea(connected(derivatives.still, goal, duration, order), derivatives.base)
     rows = np.atleast_2d(reals("derivatives", derivatives, error=PathError))
     if rows.ndim != 2 or not rows.size or not np.isfinite(rows).all():
         raise PathError("derivatives must be finite numbers of shape (order+1, outputs)")
@@ -160,8 +181,12 @@ class Stopped(ReferencePath):
         return np.asarray(compose(taylor_of(self.path, pace[0], order), pace) * scale)
 
 
-def stopped(reference: Reference, at: float, duration: float, order: int | None = None) -> Stopped:
+def stopped(
+    reference: Reference, at: float, duration: float, order: int | None = None
+) -> Reference:
     """A path from the time `at` on, slowed down to rest on its own way within a duration.
+
+    A base that moves goes on at its own pace.
 
     Parameters
     ----------
@@ -187,4 +212,5 @@ def stopped(reference: Reference, at: float, duration: float, order: int | None 
         raise PathError(f"at is {at!r}, it must be a finite number of seconds")
     number = min(reference.order, HIGHEST_ORDER) if order is None else order
     number = check_order("order", number, lowest=1, highest=HIGHEST_ORDER)
-    return Stopped(reference, begin, check_duration(duration), number)
+    path = Stopped(still(reference), begin, check_duration(duration), number)
+    return at_sea(path, base_at(reference, begin))

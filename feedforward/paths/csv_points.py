@@ -18,6 +18,30 @@ LARGEST_FILE = 256 * 2**20
 """Size beyond which a CSV file is no recording of a move [bytes]."""
 
 
+def table_of(name: str, size: int | None) -> tuple[Array, Array]:
+    """Times (N,) and points (N, size) of a CSV file, which may have to have so many columns.
+
+    Raises
+    ------
+    PathError
+        The file cannot be read, or a row or column of it cannot be used.
+    """
+    lines, rows = read_rows(name)
+    if len(rows) < 2:
+        raise PathError(f"{name} has {len(rows)} point(s), a path needs 2 or more")
+    width = len(rows[0])
+    if width < 2 or (size is not None and width != size + 1):
+        needed = "at least one output" if size is None else f"{size} outputs"
+        raise PathError(f"{name} has {width} columns, it needs a time and {needed}")
+    for line, row in zip(lines, rows, strict=True):
+        if len(row) != width:
+            raise PathError(f"{name} line {line} has {len(row)} columns, the first has {width}")
+    table = np.array(rows)
+    times, points = table[:, 0], table[:, 1:]
+    check_table(times, points, lambda index: f"{name} line {lines[index]}")
+    return times, points
+
+
 def read_rows(name: str) -> tuple[list[int], list[list[float]]]:
     """Line numbers and rows of numbers, without header and empty lines."""
     lines: list[int] = []

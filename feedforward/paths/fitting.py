@@ -66,7 +66,7 @@ class _Error(NamedTuple):
     """See `Fit`."""
 
 
-def fit(times: Array, points: Array, order: int, tolerance: float) -> Fit:
+def fit(times: Array, points: Array, order: int, tolerance: float, *, rest: bool = True) -> Fit:
     """The spline along points whose derivative n is known best, of those within the tolerance.
 
     Parameters
@@ -79,6 +79,8 @@ def fit(times: Array, points: Array, order: int, tolerance: float) -> Fit:
         n, number of vanishing derivatives at both ends; the degree is 2n+1.
     tolerance
         Largest deviation of a point's coordinate.
+    rest
+        Whether it starts and ends in rest.
 
     Raises
     ------
@@ -86,16 +88,17 @@ def fit(times: Array, points: Array, order: int, tolerance: float) -> Fit:
         A recording scatters by more than the tolerance, or the times are too uneven.
     """
     white = np.random.default_rng(0).standard_normal((len(times), DRAWS * points.shape[1]))
-    white[[0, -1]] = np.copysign(UNLUCKY, white[[0, -1]])
+    if rest:
+        white[[0, -1]] = np.copysign(UNLUCKY, white[[0, -1]])
     values = np.hstack((points, white))
-    levels, scatter = _coarse(times, values, order)
+    levels, scatter = _coarse(times, values, order, rest)
     finished = _finished(levels, scatter)
     close = [i for i, level in enumerate(levels) if level.deviation <= tolerance or level.exact]
     if not close and tolerance > 0 and len(times) >= RECORDING:
         _refuse_scatter(levels, order, tolerance, finished)
     if not (close and finished):
         with suppress(PathError) if close else nullcontext():
-            finest = interpolate(times, values, order)
+            finest = interpolate(times, values, order, rest=rest)
             levels.append(Candidate(finest, times, values, order, tuple(levels)))
             close.append(len(levels) - 1)
     errors = _errors(levels, scatter)
@@ -107,14 +110,14 @@ def fit(times: Array, points: Array, order: int, tolerance: float) -> Fit:
     return Fit(levels[best].part(), rival, errors[best].weight, noise)
 
 
-def _coarse(times: Array, values: Array, order: int) -> tuple[list[Candidate], Array]:
+def _coarse(times: Array, values: Array, order: int, rest: bool) -> tuple[list[Candidate], Array]:
     """Least-squares splines of ever more pieces, and the scatter (size,) of the points."""
     levels: list[Candidate] = []
     scatter = _roughness(times, values[:, : values.shape[1] // (1 + DRAWS)], 2 * order + 1)
     inner = len(times) - 1
     doublings = [round(inner / 2**k) for k in range(inner.bit_length() - 1, 0, -1)]
     for pieces in dict.fromkeys(doublings):
-        spline = least_squares(times, values, order, pieces)
+        spline = least_squares(times, values, order, pieces, rest=rest)
         if spline is None:
             continue
         levels.append(Candidate(spline, times, values, order, tuple(levels)))

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...models.types import Array
+from .base_motion import BaseMotion
 from .reference import Reference, ReferencePath
+from .waves import base_at, still
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,19 @@ class Joined(ReferencePath):
     def duration(self) -> float:
         """When the goal is reached [s]."""
         return self.at + self.then.duration
+
+    @property
+    def still(self) -> "Joined":
+        """Without a base's motion; itself where there is none."""
+        first, then = still(self.first), still(self.then)
+        if first is self.first and then is self.then:
+            return self
+        return Joined(first, self.at, then)
+
+    def base_at(self, time: float) -> BaseMotion | None:
+        """How a base moves from some time on."""
+        before = time < self.at
+        return base_at(self.first, time) if before else base_at(self.then, time - self.at)
 
     def _derivatives(self, times: Array, order: int) -> Array:
         later = times >= self.at

@@ -32,7 +32,7 @@ from ...models.errors import PathError
 from ...models.types import Array
 from ...models.values import as_number
 from ..checks import check_duration, check_order
-from .csv_points import as_table, check_table, read_rows
+from .csv_points import as_table, check_table, table_of
 from .fitting import Fit, fit
 from .reference import ReferencePath
 
@@ -251,18 +251,5 @@ def from_csv(
     """
     if not isinstance(path, str | PathLike):
         raise PathError(f"the file is {path!r}, it must be a path, such as 'path.csv'")
-    name = fspath(path)
-    lines, rows = read_rows(name)
-    if len(rows) < 2:
-        raise PathError(f"{name} has {len(rows)} point(s), a path needs 2 or more")
-    width = len(rows[0])
-    if width < 2 or (size is not None and width != size + 1):
-        needed = "at least one output" if size is None else f"{size} outputs"
-        raise PathError(f"{name} has {width} columns, it needs a time and {needed}")
-    for line, row in zip(lines, rows, strict=True):
-        if len(row) != width:
-            raise PathError(f"{name} line {line} has {len(row)} columns, the first has {width}")
-    table = np.array(rows)
-    times, points = table[:, 0], table[:, 1:]
-    check_table(times, points, lambda index: f"{name} line {lines[index]}")
+    times, points = table_of(fspath(path), size)
     return sampled(times, points, order, tolerance)

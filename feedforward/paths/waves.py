@@ -1,6 +1,7 @@
-"""A path on a base that moves: sinusoids added to columns that are not from rest to rest.
+"""A path on a base that moves: its motion added to columns that are not from rest to rest.
 
-    path = at_sea(rest_to_rest(start, goal, 40.0), (Wave(3, amplitude=1.0, period=8.0),))
+    swell = BaseMotion(waves=(Wave(3, amplitude=1.0, period=8.0),))
+    path = at_sea(rest_to_rest(start, goal, 40.0), swell)
 
 The path's other columns start and end in rest as ever.  The sea was there before the path starts,
 and goes on after it.
@@ -8,53 +9,56 @@ and goes on after it.
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from ...models.rig.move import Wave
 from ...models.types import Array
+from .base_motion import BaseMotion
 from .reference import Reference, ReferencePath
 
 
 @dataclass(frozen=True)
 class AtSea(ReferencePath):
-    """A path with waves in some of its columns."""
+    """A path on a base that moves."""
 
-    path: Reference
-    """What it does without them, from rest to rest."""
-    waves: tuple[Wave, ...]
+    still: Reference
+    """What it does without the base's motion, from rest to rest."""
+    base: BaseMotion
     """What is added, for all time."""
 
     @property
     def order(self) -> int:
-        """As of the path: waves are smooth."""
-        return self.path.order
+        """As of the path, or of the roughest recording: waves are smooth."""
+        return min([self.still.order, *(record.order for record in self.base.records)])
 
     @property
     def duration(self) -> float:
         """As of the path [s]."""
-        return self.path.duration
+        return self.still.duration
 
     @property
     def size(self) -> int:
         """Number of columns."""
-        return self.path.size
+        return self.still.size
+
+    def base_at(self, time: float) -> BaseMotion:
+        """How the base moves from some time on."""
+        return self.base.later(time)
 
     def _derivatives(self, times: Array, order: int) -> Array:
-        values = self.path.derivatives(times, order).copy()
-        for wave in self.waves:
-            turn = 2.0 * np.pi / wave.period
-            angle = turn * times + wave.phase
-            for k in range(order + 1):
-                growth = wave.amplitude * turn**k
-                values[k, :, wave.column] += growth * np.sin(angle + 0.5 * np.pi * k)
-        return values
+        return self.base.added(self.still.derivatives(times, order), times)
 
 
-def at_sea(path: Reference, waves: tuple[Wave, ...]) -> Reference:
-    """The path with waves added; the path itself where there are none."""
-    return AtSea(path, waves) if waves else path
+def at_sea(path: Reference, base: BaseMotion | None) -> Reference:
+    """The path with a base's motion added; the path itself where there is none."""
+    return AtSea(path, base) if base else path
 
 
 def still(reference: Reference) -> Reference:
-    """A path without the waves in it."""
-    return reference.path if isinstance(reference, AtSea) else reference
+    """A path without the base's motion in it."""
+    found: Reference = getattr(reference, "still", reference)
+    return found
+
+
+def base_at(reference: Reference, time: float) -> BaseMotion | None:
+    """How the base moves from some time of a path on; None if it does not."""
+    ask = getattr(reference, "base_at", None)
+    found: BaseMotion | None = None if ask is None else ask(time)
+    return found

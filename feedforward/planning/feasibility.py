@@ -25,6 +25,7 @@ from ...models.errors import OptionError, PathError
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ...models.values import as_number
+from ..exact.at_sea import given_columns
 from ..exact.losses import rubs
 from ..exact.motion import Motion, Slack
 from ..exact.problem import problem_of
@@ -100,6 +101,12 @@ class AsSmooth(ReferencePath):
         """Number of columns."""
         return self.path.size
 
+    @property
+    def still(self) -> Reference:
+        """Without a base's motion, itself where there is none."""
+        inner = still(self.path)
+        return self if inner is self.path else AsSmooth(inner, self.order)
+
     def _derivatives(self, times: Array, order: int) -> Array:
         return self.path.derivatives(times, order)
 
@@ -145,7 +152,10 @@ def check(
     times = instants(reference.duration, rate)
     problems = []
     try:
-        verify_reference(still(reference), rig.outputs, needed, moving=begin is not None)
+        verify_reference(
+            still(reference), rig.outputs, needed,
+            moving=begin is not None, free=given_columns(rig),
+        )  # fmt: skip
     except PathError as error:
         problems.append(str(error))
     path: Reference = reference

@@ -30,12 +30,13 @@ from ...models.rig.rig import Rig
 from ...models.types import Array
 from ...models.values import as_number
 from ..checks import check_duration
+from ..exact.at_sea import given_columns
 from ..exact.problem import problem_of
 from ..exact.refusal import accept_path
 from ..exact.state import State, accept_join
 from ..paths.consistency import accept_rest, verify_reference
 from ..paths.reference import Reference, ReferencePath
-from ..paths.waves import AtSea
+from ..paths.waves import AtSea, still
 from ..solving.inverse import solve
 from .feasibility import TAUT
 from .sizing import drive_uses
@@ -213,11 +214,12 @@ def shortest_duration(
     problem = problem_of(rig)
     start, make = _family(path)
     first = make(start)
-    verify_reference(first, rig.outputs, problem.order, moving=begin is not None)
+    free = given_columns(rig)
+    verify_reference(still(first), rig.outputs, problem.order, moving=begin is not None, free=free)
     if begin is not None:
         accept_join(problem, begin, first)
     else:
-        accept_rest(first, rig.outputs, problem.order)
+        accept_rest(still(first), rig.outputs, problem.order, free)
     bounds = _Bounds(rig, make, float(margin), float(share), begin)
     finer = replace(bounds, samples=FINE)
     good, bad = _boundary(bounds, start)

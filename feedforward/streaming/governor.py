@@ -4,7 +4,8 @@ Each command is looked at together with what follows if it is held for a moment 
 stopped.  It is let through if that stays within all bounds; otherwise the largest share of it that
 was found to do so: of some shares of its axes the best one, and then one axis of it raised, twice.
 
-To stop is what was looked at a moment before, so that there is always something that can be done.
+To stop is what was looked at a moment before, so that there is always something that can be done;
+but for a base that moves as given, which is looked at no further ahead than a stop takes.
 A load may rest beyond a bound, or come there by rounding; then commands are let through as well
 that lead no further beyond that bound than stopping does.  Bounds are compared one by one, or what
 is beyond one would free the way beyond the others.
@@ -43,7 +44,7 @@ class Governor:
     def __init__(self, prediction: Prediction, bounds: Bounds, evaluator: Evaluator) -> None:
         self.prediction, self.bounds, self.evaluator = prediction, bounds, evaluator
 
-    def decide(self, state: Array, command: Array, near: Array) -> Decision:
+    def decide(self, state: Array, command: Array, near: Array, now: float) -> Decision:
         """What is let through of a command.
 
         Parameters
@@ -54,13 +55,15 @@ class Governor:
             Shape (size,).
         near
             Guesses at the prediction's instants, shape (unknowns + turning frames, N).
+        now
+            When that is, for a base that moves [s].
         """
-        whole = self._after(state, command[None], near)
+        whole = self._after(state, command[None], near, now)
         if not command.any() or self._within(whole, 0.0)[0]:
             return Decision(command, whole, 0)
         axes = command != 0.0
         shares = _guesses(axes)
-        courses = self._after(state, shares * command, near)
+        courses = self._after(state, shares * command, near, now)
         floor = self._floor(courses)
         share, best = shares[0], Decision(np.zeros(len(command)), courses, 0)
         for left in reversed(range(1 + ROUNDS)):
@@ -72,7 +75,7 @@ class Governor:
             shares = _more(share, axes)
             if not left or not len(shares):
                 break
-            courses = self._after(state, shares * command, near)
+            courses = self._after(state, shares * command, near, now)
         return best
 
     def _floor(self, courses: Courses) -> Array:
@@ -87,8 +90,8 @@ class Governor:
         end = self.bounds.spare(courses.part(0, samples)[1], times)[:, -1:]
         return np.minimum(way, np.nan_to_num(end, nan=0.0))
 
-    def _after(self, state: Array, commands: Array, near: Array) -> Courses:
-        return self.prediction.courses(self.evaluator, state, commands, near)
+    def _after(self, state: Array, commands: Array, near: Array, now: float) -> Courses:
+        return self.prediction.courses(self.evaluator, state, commands, near, now)
 
     def _spare(self, courses: Courses) -> Array:
         """Least spare of each bound along each course, shape (bounds, courses).

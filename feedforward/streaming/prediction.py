@@ -7,6 +7,7 @@ import numpy as np
 
 from ...models.types import Array, Mask
 from ..exact.problem import Problem
+from ..paths.base_motion import BaseMotion
 from ..series.products import factorials
 from .command_filter import CommandFilter
 from .evaluation import Evaluated, Evaluator
@@ -58,12 +59,19 @@ class Prediction:
         Instants at which the command is held [s], shape (H,); it ends at the last.
     after
         Steps from there to later instants [s].
+    base
+        How a base moves, if one does, from a time 0 of its own on.
     """
 
     def __init__(
-        self, problem: Problem, filter: CommandFilter, held: list[float], after: list[float]
+        self,
+        problem: Problem,
+        filter: CommandFilter,
+        held: list[float],
+        after: list[float],
+        base: BaseMotion | None = None,
     ) -> None:
-        self.problem = problem
+        self.problem, self.base = problem, base
         self.offsets = np.array([*held, *(held[-1] + np.cumsum(after))])
         """Instants after the command [s], shape (N,)."""
         states = [filter.step(offset) for offset in held]
@@ -73,13 +81,24 @@ class Prediction:
         readout = filter.readout(problem.order) / scale
         self._readouts = np.array([readout @ state for state in states]).swapaxes(0, 1)
 
-    def taylor(self, state: Array, commands: Array) -> Array:
-        """Of the outputs after commands (courses, size), shape (orders, courses, N, size)."""
+    def taylor(self, state: Array, commands: Array, now: float) -> Array:
+        """Of the outputs after commands (courses, size), shape (orders, courses, N, size).
+
+        The base is where it is at the time `now` of its own [s], and after it.
+        """
         common = self._readouts[..., :-1] @ state[:-1]
         held = self._readouts[:, None, :, -1, None] * commands[None, :, None, :]
-        return np.asarray(common[:, None] + held)
+        found = np.asarray(common[:, None] + held)
+        if self.base is None:
+            return found
+        scale = factorials(len(found))[:, None, None]
+        times = np.tile(now + self.offsets, len(commands))
+        flat = found.reshape(len(found), len(times), -1) * scale
+        return np.asarray(self.base.added(flat, times) / scale).reshape(found.shape)
 
-    def courses(self, evaluator: Evaluator, state: Array, commands: Array, near: Array) -> Courses:
+    def courses(
+        self, evaluator: Evaluator, state: Array, commands: Array, near: Array, now: float
+    ) -> Courses:
         """What follows from some commands.
 
         Parameters
@@ -92,14 +111,22 @@ class Prediction:
             Shape (courses, size).
         near
             Guesses at the instants, shape (unknowns + turning frames, N).
+        now
+            The base's time [s].
         """
-        taylor = self.taylor(state, commands)
+        taylor = self.taylor(state, commands, now)
         orders, courses, samples, size = taylor.shape
         flat = taylor.reshape(orders, courses * samples, size)
         return Courses(taylor, evaluator(flat, np.tile(near, courses)))
 
 
-def of_stops(problem: Problem, filter: CommandFilter, period: float, moment: float) -> Prediction:
+def of_stops(
+    problem: Problem,
+    filter: CommandFilter,
+    period: float,
+    moment: float,
+    base: BaseMotion | None = None,
+) -> Prediction:
     """A command held for a moment, then the stop; the second instant is the middle of a tick.
 
     All times are in s.
@@ -110,4 +137,4 @@ def of_stops(problem: Problem, filter: CommandFilter, period: float, moment: flo
     rest = filter.resting(RESTED)
     while sum(after) < rest:
         after.append(SPACING * (filter.lag + sum(after)))
-    return Prediction(problem, filter, held, after)
+    return Prediction(problem, filter, held, after, base)

@@ -33,7 +33,9 @@ from ..exact.naming import coordinate_names
 from ..exact.problem import problem_of
 from ..exact.refusal import failure
 from ..exact.state import State
-from ..paths.reference import taylor_of
+from ..paths.base_motion import BaseMotion
+from ..paths.reference import Reference, taylor_of
+from ..paths.waves import at_sea
 from ..series.products import factorials
 from .beginning import begin_of, between, velocity_of
 from .bounds import Bounds
@@ -66,6 +68,9 @@ class Stream:
     start
         Where it starts: outputs at which it rests, shape (outputs,), or the state of a motion that
         it continues, as `Motion.at` gives it.
+    base
+        How its base moves, as a path has it, ``from_move(move, rig).base``; a state says so itself.
+        With a deck, places and velocities are those on it.
     lag
         Time constant of the command filter [s]: the outputs follow a command after as many lags as
         the rig needs derivatives.
@@ -92,6 +97,7 @@ class Stream:
         rig: Rig,
         start: ArrayLike | State,
         *,
+        base: BaseMotion | None = None,
         lag: float = 0.4,
         rate: float = 100.0,
         share: float = 0.95,
@@ -104,32 +110,27 @@ class Stream:
         self.share = between("share", share, 1e-6, 1.0, "of the limits")
         lowest = MARGIN * rig.weight if margin is None else margin
         self.margin = between("margin", lowest, 0.0, rig.weight, "N")
-        self.begin = begin_of(rig, start)
+        self.begin = begin_of(rig, start, base)
         """The state that it started from, for `solve(rig, stream.reference, times, begin=...)`."""
         filter = CommandFilter(self.lag, max(self._problem.analysis.reference_order, 1))
         self._every = max(1, round(self.rate / GOVERNED))
         period, moment = self.period, self._every * self.period
         self._filter, self._step = filter, filter.step(period)
-        prediction = of_stops(self._problem, filter, period, moment)
+        self._base = self.begin.base
+        prediction = of_stops(self._problem, filter, period, moment, self._base)
         self._names = coordinate_names(self._problem.equations)
         bounds = Bounds(self._problem, self._names, self.share, self.margin)
         self._evaluator = Evaluator(self._problem, self.begin.signs)
         self._governor = Governor(prediction, bounds, self._evaluator)
-        self._tick = Prediction(self._problem, filter, [0.0, 0.5 * period], [])
-        self._state = filter.state_of(self.begin.derivatives)
+        self._tick = Prediction(self._problem, filter, [0.0, 0.5 * period], [], self._base)
+        self._state = filter.state_of(self.begin.still)
         self._ticks = self._decided = 0
         self._knots = [(0, self._state)]
         self._near = self._first(prediction)
 
     def _first(self, prediction: Prediction) -> Array:
-        """Guesses along the stop from the start, followed from there.
-
-        Raises
-        ------
-        PathError
-            There is no way to stop.
-        """
-        taylor = prediction.taylor(self._state, np.zeros((1, len(self.rig.outputs))))[:, 0]
+        """Guesses along the stop from the start, followed from there, or a PathError."""
+        taylor = prediction.taylor(self._state, 0.0 * self._state[:1], 0.0)[:, 0]
         angles = {name: np.array([angle]) for name, angle in self.begin.angles.items()}
         start = self._evaluator.near(self.begin.unknowns[:, None], angles)
         solution = self._evaluator.expanded(taylor, start, follow=True)
@@ -157,7 +158,7 @@ class Stream:
 
     @property
     def outputs(self) -> Array:
-        """Where the outputs are as the next tick begins, shape (outputs,)."""
+        """Where the outputs are as the next tick begins, but for a base's motion, (outputs,)."""
         return np.array(self._state[0])
 
     @property
@@ -183,11 +184,12 @@ class Stream:
         decision = None
         if self._ticks % self._every == 0:
             near = self._guess(self._governor.prediction.offsets)
-            decision = self._governor.decide(self._state, wanted, near)
+            decision = self._governor.decide(self._state, wanted, near, self.time)
             used, courses, chosen = decision.velocity, decision.courses, decision.chosen
         else:
             near, used, chosen = self._guess(self._tick.offsets), self._state[-1], 0
-            courses = self._tick.courses(self._evaluator, self._state, used[None], near)
+            now = self.time
+            courses = self._tick.courses(self._evaluator, self._state, used[None], near, now)
         taylor, found = courses.part(chosen, 2)
         if not found.solved.all():
             found = self._expanded(taylor, near[:, :2], self.time + self._tick.offsets)
@@ -216,11 +218,10 @@ class Stream:
     def state(self) -> State:
         """The state as the next tick begins, for a motion that continues this one.
 
-        For example `solve(rig, connected(stream.state.derivatives, goal, 5.0), times,
-        begin=stream.state)`.
+        For example `solve(rig, connected(stream.state, goal, 5.0), times, begin=stream.state)`.
         """
-        here = Prediction(self._problem, self._filter, [0.0], [])
-        taylor = here.taylor(self._state, self._state[None, -1])[:, 0]
+        here = Prediction(self._problem, self._filter, [0.0], [], self._base)
+        taylor = here.taylor(self._state, self._state[None, -1], self.time)[:, 0]
         near = self._guess(here.offsets)
         found = self._expanded(taylor, near, here.offsets + self.time)
         names = [name for name, _, _ in self._problem.equations.turning]
@@ -232,20 +233,22 @@ class Stream:
             unknowns=unknowns,
             signs=self.begin.signs,
             angles=dict(zip(names, angles.tolist(), strict=True)),
+            base=self._later,
         )
 
     @property
-    def reference(self) -> Commanded:
+    def reference(self) -> Reference:
         """The path that was commanded until now, and the stop that would follow."""
         stop = self._state.copy()
         stop[-1] = 0.0
         knots = [*self._knots, (self._ticks, stop)]
-        return Commanded(
+        path = Commanded(
             filter=self._filter,
             knots=np.array([tick / self.rate for tick, _ in knots]),
             states=np.array([state for _, state in knots]),
             duration=self.time + self._filter.rested,
         )
+        return at_sea(path, self._base)
 
     def ahead(self, times: ArrayLike) -> Ahead:
         """The stop that would follow, at some times after now (N,) [s].
@@ -257,12 +260,17 @@ class Stream:
         """
         after = np.asarray(times, dtype=float)
         held = (-self._ticks % self._every) / self.rate
-        taylor = taylor_of(stop_from(self._filter, self._state, held), after, self._problem.order)
+        stop = at_sea(stop_from(self._filter, self._state, held), self._later)
+        taylor = taylor_of(stop, after, self._problem.order)
         near = self._guess(after)
         found = self._evaluator(taylor, near)
         if not found.solved.all():
             found = self._expanded(taylor, near, self.time + after)
         return ahead_of(after, taylor, found)
+
+    @property
+    def _later(self) -> BaseMotion | None:
+        return None if self._base is None else self._base.later(self.time)
 
     def copy(self) -> "Stream":
         """A stream that goes on from here by itself."""
@@ -281,13 +289,7 @@ class Stream:
         return np.asarray(left + share * (right - left))
 
     def _expanded(self, taylor: Array, near: Array, times: Array) -> Evaluated:
-        """The rig at some instants, step by step of the expansion.
-
-        Raises
-        ------
-        PathError
-            There is no solution at one of them.
-        """
+        """The rig at some instants, step by step of the expansion, or a PathError."""
         solution = self._evaluator.expanded(taylor, near)
         error = failure(self._problem, solution, self.begin.signs, times, taylor[0])
         if error is not None:

@@ -91,7 +91,7 @@ class _Dressing:
         if not any(boom.frame == frame.name for boom in self.booms):
             top = -structures.LANTERN if inside else structures.RING
             x, y, z = frame.origin if frame.parent == WORLD else (0.0, 0.0, 0.0)
-            height = z + top * self.size.unit
+            height = z + top * self.size.unit + min((rail.origin[2] for rail in rails), default=0)
             structures.tower(self.paint, self.bodies[WORLD], frame.name, height, (x, y))
 
     def sliding_frame(self, frame: Frame) -> None:

@@ -60,11 +60,13 @@ class Sizes:
     """A length that suits the scene: about a trolley's [m]."""
     reach: float
     """How far a load hangs below the rest at home [m]."""
+    ground: float | None = None
+    """Height of the floor [m], if it is not below all of the space."""
 
     @property
     def floor(self) -> float:
         """Height of the floor [m]."""
-        return float(self.cloud[:, 2].min())
+        return float(self.cloud[:, 2].min()) if self.ground is None else self.ground
 
     @property
     def middle(self) -> Array:

@@ -88,20 +88,21 @@ def jib(paint: Painter, body: Any, rail: Rail, ends: tuple[float, float]) -> Non
     """The turning top of a tower crane: jib, tie rods, cab and counterweight."""
     unit, along = paint.unit, np.asarray(rail.direction)
     across, up = across_of(along), up_of(along)
+    foot = np.array([0.0, 0.0, rail.origin[2]])
     tail = min(-0.4 * ends[1], ends[0] - 1.3 * unit)
     beam(paint, body, rail, (tail, ends[1]))
-    apex = 3.6 * unit * up
-    deck = 1.27 * unit * up
+    apex = foot + 3.6 * unit * up
+    deck = foot + 1.27 * unit * up
     for label, end in (("front", 0.8 * ends[1]), ("back", tail)):
         tie = (apex, end * along + deck)
         paint.rod(body, f"{rail.name}.{label}.tie", "steel", tie, 0.05 * unit)
     for index, (way, side) in enumerate(((1, 1), (1, -1), (-1, 1), (-1, -1))):
         leg = (apex, 0.5 * unit * (way * along + side * across) + deck)
         paint.rod(body, f"{rail.name}.head{index + 1}", "structure", leg, 0.08 * unit)
-    weight = (tail + 0.4 * unit) * along + 0.55 * unit * up
+    weight = foot + (tail + 0.4 * unit) * along + 0.55 * unit * up
     half = (0.7 * unit, 0.55 * unit, 0.75 * unit)
     paint.box(body, f"{rail.name}.counterweight", "concrete", weight, half, along)
-    cab = 0.9 * unit * along - 0.8 * unit * across + 0.5 * unit * up
+    cab = foot + 0.9 * unit * along - 0.8 * unit * across + 0.5 * unit * up
     half = (0.5 * unit, 0.4 * unit, 0.55 * unit)
     paint.box(body, f"{rail.name}.cab", "machine", cab, half, along)
 

@@ -30,7 +30,7 @@ import mujoco
 import numpy as np
 
 from ..errors import ModelError, did_you_mean
-from ..looks import booms, dressing, setting
+from ..looks.scenery import Scenery
 from ..rig.chain import Body, chain_of
 from ..rig.rig import WORLD, Frame, Platform, Rig, Trolley, Vector
 from ..values import as_number, shown
@@ -167,10 +167,9 @@ def _scene(
     scene.compiler.savecompiled = False  # XML as written here, every number exact
     scene.compiler.savecanonical = False
     _options(scene, rig, timestep, integrator, friction)
-    if visuals:
-        rig_booms = booms.find(rig)
-        size = setting.sizes(rig, rig_booms)
-        setting.prepare(scene, size)
+    scenery = Scenery(rig) if visuals else None
+    if scenery is not None:
+        scenery.prepare(scene)
     _check_masses(rig, massless)
     if ropes.spooled:
         spools.allow(scene, rig, ropes, friction)
@@ -194,8 +193,8 @@ def _scene(
     for drive in rig.drives:
         rigging.add_motor(scene, rig, drive)
     described_friction.add(scene, rig)
-    if visuals:
-        dressing.dress(scene, rig, bodies, size, rig_booms)
+    if scenery is not None:
+        scenery.dress(scene, bodies)
         rigging.add_sensors(scene, rig)
     home = [value for link in chain_of(rig) for value in link.home]
     scene.add_key(name="home", qpos=home + paid, ctrl=np.zeros(len(rig.drives)))

@@ -11,6 +11,7 @@ from . import boom_cranes as boom_cranes
 from . import spreader_cranes as spreader_cranes
 from . import cable_robots as cable_robots
 from . import tandem_cranes as tandem_cranes
+from . import ship_cranes as ship_cranes
 # isort: on
 
 from .rig import (

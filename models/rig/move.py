@@ -5,38 +5,9 @@ from typing import Literal
 
 from ..errors import PathError, RigError, did_you_mean
 from ..values import number, sequence, shown, whole, word
+from .sea import Record, Wave
 
 PROFILES = ("polynomial", "three_phase", "sampled")
-
-
-@dataclass(frozen=True)
-class Wave:
-    """A sinusoid in one column of a path: a base that heaves, rolls or pitches.
-
-    Raises
-    ------
-    PathError
-        A field has a value that it cannot have.
-    """
-
-    column: int
-    """Column, counted from 0: of the coordinate of a frame whose motion is given."""
-    amplitude: float
-    """Amplitude [m] or [rad]."""
-    period: float
-    """Period [s]."""
-    phase: float = 0.0
-    """Phase at t = 0 [rad]: amplitude sin(2 pi t / period + phase)."""
-
-    def __post_init__(self) -> None:
-        try:
-            object.__setattr__(self, "column", whole("wave: column", self.column))
-            for name in ("amplitude", "period", "phase"):
-                object.__setattr__(self, name, number(f"wave: {name}", getattr(self, name)))
-        except RigError as error:
-            raise PathError(str(error)) from None
-        if not self.period > 0:
-            raise PathError(f"wave: period is {self.period:g} s, it must be > 0")
 
 
 @dataclass(frozen=True)
@@ -71,6 +42,11 @@ class Move:
 
     waves: tuple[Wave, ...] = ()
     """Sinusoids of a base that moves, added to columns of the path, before it and after it, too."""
+    records: tuple[Record, ...] = ()
+    """Recordings of its motion, added likewise."""
+    frame: str = ""
+    """Name of the frame whose motion is given on which the loads' places are given, as on a deck:
+    they are those that loads would have with all such frames at 0.  In the world without it."""
 
     def __post_init__(self) -> None:
         try:
@@ -82,11 +58,11 @@ class Move:
             raise PathError(f"there is no profile {self.profile!r}{known}")
         if isinstance(self.order, bool) or not isinstance(self.order, int) or self.order < 0:
             raise PathError(f"move: order is {self.order!r}, it must be a whole number >= 0")
-        for wave in self.waves:
-            if self.start and not 0 <= wave.column < len(self.start):
-                raise PathError(
-                    f"wave: column is {wave.column}, it must be 0 to {len(self.start) - 1}"
-                )
+        columns = [("wave: column", wave.column) for wave in self.waves]
+        columns += [("record: columns", c) for record in self.records for c in record.columns]
+        for label, column in columns:
+            if self.start and not 0 <= column < len(self.start):
+                raise PathError(f"{label} is {column}, it must be 0 to {len(self.start) - 1}")
         if self.profile == "sampled":
             if self.turning:
                 raise PathError("a sampled move's file says how it turns; leave `turning` out")
@@ -111,15 +87,16 @@ class Move:
         """Make plain numbers and names of the fields."""
         turning = tuple(whole("turning", column) for column in sequence("turning", self.turning))
         object.__setattr__(self, "turning", turning)
-        waves = sequence("waves", self.waves)
-        for wave in waves:
-            if not isinstance(wave, Wave):
-                raise RigError(f"waves holds {shown(wave)}, it must be a Wave")
-        object.__setattr__(self, "waves", waves)
+        for kind, part in (("waves", Wave), ("records", Record)):
+            held = sequence(kind, getattr(self, kind))
+            for item in held:
+                if not isinstance(item, part):
+                    raise RigError(f"{kind} holds {shown(item)}, it must be a {part.__name__}")
+            object.__setattr__(self, kind, held)
         for end in ("start", "goal"):
             values = tuple(number(end, value) for value in sequence(end, getattr(self, end)))
             object.__setattr__(self, end, values)
         for name in ("duration", "blend"):
             object.__setattr__(self, name, number(name, getattr(self, name)))
-        for name in ("profile", "samples"):
+        for name in ("profile", "samples", "frame"):
             word(name, getattr(self, name))

@@ -31,7 +31,7 @@ from ..friction import Friction
 from ..reading import read_text
 from ..values import shown, word
 from .catalogue import default_move, make, parameters
-from .move import Move, Wave
+from .move import Move
 from .rig import (
     Anchor,
     Combination,
@@ -47,6 +47,7 @@ from .rig import (
     Trolley,
     require_rig,
 )
+from .sea import Record, Wave
 
 _PARTS = {
     "frames": Frame,
@@ -60,6 +61,7 @@ _PARTS = {
     "combinations": Combination,
     "drives": Drive,
 }
+_SEA = {"waves": Wave, "records": Record}
 LARGEST = 2**20
 """Size of a file beyond which it is none of a rig [bytes]."""
 FORM = "{coulomb = 2.0, viscous = 80.0}"
@@ -159,8 +161,9 @@ def dumps(rig: Rig, move: Move | None = None) -> str:
     if move is not None:
         changed = [item for item in fields(Move) if getattr(move, item.name) != item.default]
         table["move"] = {item.name: getattr(move, item.name) for item in changed}
-        if move.waves:
-            table["move"]["waves"] = [_entry(wave) for wave in move.waves]
+        for kind in _SEA:
+            if getattr(move, kind):
+                table["move"][kind] = [_entry(part) for part in getattr(move, kind)]
     return tomli_w.dumps(table)
 
 
@@ -182,10 +185,18 @@ def dump(path: str | Path, rig: Rig, move: Move | None = None) -> None:
         The file cannot be written.
     """
     path = file_path("the file of a rig", path)
-    if isinstance(move, Move) and move.samples:
-        samples = os.path.relpath(move.samples, path.parent)
-        move = replace(move, samples=samples)
+    if isinstance(move, Move):
+        move = _named_from(path.parent, move)
     write_text(path, dumps(rig, move))
+
+
+def _named_from(folder: Path, move: Move) -> Move:
+    """A move whose files are named from a folder."""
+    records = tuple(
+        replace(part, samples=os.path.relpath(part.samples, folder)) for part in move.records
+    )
+    samples = os.path.relpath(move.samples, folder) if move.samples else ""
+    return replace(move, samples=samples, records=records)
 
 
 def _table(text: str, error: type[FlatrigError]) -> dict[str, Any]:
@@ -269,7 +280,11 @@ def _move(entry: Any, folder: Path) -> Move | None:
     if isinstance(values.get("samples"), str):
         values["samples"] = str(folder / values["samples"])
     try:
-        values["waves"] = tuple(_parts("waves", Wave, values.get("waves", [])))
+        for kind, build in _SEA.items():
+            values[kind] = tuple(_parts(kind, build, values.get(kind, [])))
     except RigError as error:
         raise PathError(str(error)) from None
+    values["records"] = tuple(
+        replace(part, samples=str(folder / part.samples)) for part in values["records"]
+    )
     return Move(**values)

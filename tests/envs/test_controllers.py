@@ -1,5 +1,7 @@
 """Controllers as wrappers: what each adds, and that they add up."""
 
+from dataclasses import replace
+
 import gymnasium as gym
 import numpy as np
 import pytest
@@ -37,6 +39,12 @@ GENTLE = {
     ),
     "flatrig/ContainerCrane-v0": feedforward.rest_to_rest(
         (10, -24, 0, 0, 0), (13, -23, 0, 0, 0), 6.0
+    ),
+    "flatrig/ShipCrane-v0": replace(
+        models.default_move("ship_crane"), goal=(21, 1, 9, 0, 0, 0), duration=6.0
+    ),
+    "flatrig/NavyShipCrane-v0": replace(
+        models.default_move("navy_ship_crane"), goal=(7.8, 0.5, 1, 12.5, 0, 0, 0), duration=6.0
     ),
 }
 
@@ -129,8 +137,7 @@ def test_holding_inputs_stand_only_once(name):
     ):
         env = stack(make(name, reference=rest))
         env.reset(seed=0)
-        plant = env.unwrapped.task.plant
-        *_, info = env.step(np.zeros(len(plant.ctrl[0])))
+        *_, info = env.step(np.zeros(env.action_space.shape))
         assert np.allclose(info["input"], expected, atol=1e-9)
 
 

@@ -103,11 +103,12 @@ def test_stop_beyond_the_end_of_a_path_reaches_its_goal():
 @pytest.mark.parametrize("name", models.CATALOGUE)
 def test_stop_and_new_goal_join_without_a_jump(name):
     rig = models.make(name)
-    path = from_move(models.default_move(rig))
+    move = models.default_move(rig)
+    path = from_move(move)
     at = 0.4 * path.duration
     here = solve(rig, path, at)
     begin = here.at(at)
-    away = connected(begin.derivatives, path.goal, path.duration)
+    away = connected(begin, move.goal, path.duration)
     for reference in (stopped(path, at, path.duration / 2), away):
         there = solve(rig, reference, 0.0, begin=begin)
         largest = np.abs(solve(rig, path, np.linspace(0, path.duration, 11)).inputs).max()

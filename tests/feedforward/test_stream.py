@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from flatrig import models
-from flatrig.feedforward import Commanded, Stream, analyse, connected, from_move, solve
+from flatrig.feedforward import Commanded, Stream, analyse, base_at, connected, from_move, solve
 from flatrig.feedforward.exact.problem import problem_of
 from flatrig.feedforward.series.products import factorials
 from flatrig.feedforward.streaming.command_filter import CommandFilter
@@ -72,7 +72,7 @@ def test_what_is_foreseen_of_a_command_is_its_moment_and_a_stop():
     prediction = of_stops(problem_of(models.rotary_crane()), filter, moment, moment)
     state = np.random.default_rng(0).normal(size=(6, 3))
     command = np.array([1.0, -2.0, 0.5])
-    foreseen = prediction.taylor(state, command[None])[:, 0] * factorials(5)[:, None, None]
+    foreseen = prediction.taylor(state, command[None], 0.0)[:, 0] * factorials(5)[:, None, None]
     held, stop = state.copy(), (filter.step(moment) @ np.vstack((state[:-1], command)))
     held[-1], stop[-1] = command, 0.0
     states, knots = np.array([held, stop]), np.array([0.0, moment])
@@ -85,7 +85,9 @@ def test_what_is_foreseen_of_a_command_is_its_moment_and_a_stop():
 @pytest.mark.parametrize("name", models.CATALOGUE)
 def test_ticks_are_the_solution_of_what_was_commanded(name):
     rig = models.make(name)
-    stream = Stream(rig, models.default_move(rig).start, rate=20.0, lag=0.5)
+    move = models.default_move(rig)
+    base = base_at(from_move(move), 0.0)
+    stream = Stream(rig, move.start, base=base, rate=20.0, lag=0.5)
     samples = driven(stream, commands(rig, 40))
     assert any(np.abs(sample.velocity).max() > 0.05 for sample in samples)
     agree(stream, samples)

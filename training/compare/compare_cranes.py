@@ -161,7 +161,7 @@ def compare(
         thing="Load",
         units=UNITS,
         scenarios=scenarios,
-        arrival=feedforward.from_move(first.episodes[0].move).duration,
+        arrival=feedforward.from_move(first.episodes[0].move, rig).duration,
         runs=first.runs,
         absent=absent,
         columns=(*COLUMNS, TURN) if turned else COLUMNS,

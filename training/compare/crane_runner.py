@@ -95,7 +95,9 @@ class EpisodeRunner:
         load = seen["load"]
         return Record(
             times=times,
-            arrival=np.array([feedforward.from_move(e.move).duration for e in self.episodes]),
+            arrival=np.array(
+                [feedforward.from_move(e.move, task.rig).duration for e in self.episodes]
+            ),
             load=load[..., places],
             reference=path[..., places],
             inputs=seen["input"] / task.limits,
@@ -119,7 +121,7 @@ def plans_of(rig: Rig, episodes: Sequence[Episode], period: float) -> list[Crane
 
     @cache
     def plan(move: Move, hold: float) -> CranePlan:
-        return make_plan(rig, feedforward.from_move(move), period, hold)
+        return make_plan(rig, feedforward.from_move(move, rig), period, hold)
 
     return [plan(episode.move, episode.hold) for episode in episodes]
 

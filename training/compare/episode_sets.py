@@ -162,7 +162,7 @@ def reversed_move(rig: Rig, move: Move, number: int) -> Iterable[Episode]:
     """From the goal to the start, in the same time and the same scenarios."""
     there = as_profile(move)
     back = replace(there, start=there.goal, goal=there.start)
-    make_plan(rig, from_move(back), PERIOD, 0.0)  # ropes may be slack, or drives too weak
+    make_plan(rig, from_move(back, rig), PERIOD, 0.0)  # ropes may be slack, or drives too weak
     return own(rig, back, number)
 
 

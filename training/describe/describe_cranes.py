@@ -33,7 +33,7 @@ CONDITION = {False: "without friction", True: "with the described friction"}
 def show_analysis(command: options.Analyse) -> int:
     """Print the structure of the rig's equations and what the move asks of the rig."""
     rig, move = command.target()
-    analysis, reference = feedforward.analyse(rig), feedforward.from_move(move)
+    analysis, reference = feedforward.analyse(rig), feedforward.from_move(move, rig)
     report = _examine(rig, analysis, reference)
     if command.json:
         show_json(_analysis_facts(command, analysis, report))
@@ -168,7 +168,7 @@ def _show_sizing(report: feedforward.Feasibility) -> None:
 def write_solution(command: options.Solve) -> int:
     """Solve for the inputs, print a summary, and write the CSV if the rig can make the move."""
     rig, move = command.target()
-    reference = feedforward.from_move(move)
+    reference = feedforward.from_move(move, rig)
     times = sample_times(reference.duration, command.rate, MOST_SAMPLES)
     report = look_at(rig, reference, command.rate)
     hold = 1.0 / command.rate if command.hold else 0.0

@@ -24,4 +24,4 @@ def problems_of(rig: Rig, move: Move) -> tuple[str, ...]:
     FlatrigError
         The move is none for this rig, or the rig is not flat.
     """
-    return look_at(rig, from_move(move)).problems
+    return look_at(rig, from_move(move, rig)).problems

@@ -35,7 +35,7 @@ def main(command: options.Render) -> int:
     from ...models.mjcf import rig_model
     from ..simulate.open_loop import open_loop, stand_in
 
-    run = open_loop(rig, from_move(move), hold=REST)
+    run = open_loop(rig, from_move(move, rig), hold=REST)
     still = path.lower().endswith(".png")
     fps = (STILLS - 1) / move.duration if still else command.fps
     model = rig_model.compile(rig, massless=stand_in(rig))

@@ -18,7 +18,7 @@ def main(command: options.Export) -> None:
         if path and path != STANDARD_OUTPUT and Path(path).suffix != suffix:
             raise OptionError(f"--{name} is {path}, it must end in {suffix}")
     rig, move = command.target()
-    reference = feedforward.from_move(move)
+    reference = feedforward.from_move(move, rig)
     out = console()
     if command.c:
         text = feedforward.source(rig, "c", reference)

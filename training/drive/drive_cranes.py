@@ -43,7 +43,7 @@ class Drive:
 
     def __init__(self, command: options.Drive) -> None:
         rig, move = replace(command, duration=None).target()  # which is not the move's here
-        path = feedforward.from_move(move)
+        path = feedforward.from_move(move, rig)
         policy = Policy.load(command.policy) if command.policy else None
         self.session = Session(rig, np.asarray(path.start), policy)
         self.sketch = Sketch(self.session.task)

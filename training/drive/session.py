@@ -125,7 +125,7 @@ class Session:
             task.disturb([self._scenario])
         try:
             task.lead([wishes.velocity])
-            outcome = task.step(self._inputs(wishes))
+            outcome = task.step(task.acting.of_actions(self._inputs(wishes)))
         except FlatrigError as error:
             self._anew(str(error))
             return

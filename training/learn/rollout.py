@@ -55,7 +55,7 @@ def draw_episodes(
     """Random moves, plants, and holds [s] that episodes last after arrival."""
     episodes = []
     for k in range(num):
-        reference = feedforward.from_move(random_move(rig, move, rng))
+        reference = feedforward.from_move(random_move(rig, move, rng), rig)
         plan = make_plan(rig, reference, period, rng.uniform(*holds))
         drawn = disturbances.draw(rng)
         scenario = Scenario() if k % UNDISTURBED == 0 else drawn

@@ -32,7 +32,7 @@ MOVE = ("error", "arrival", "tension", "tension rms")
 def rows(name: str, step: float, repeat: bool) -> list[Row]:
     """Rows of a crane with a time step [s], one for each integrator."""
     rig, free = make(name), free_motion(name)
-    prepared = prepare(rig, from_move(default_move(rig)), step)
+    prepared = prepare(rig, from_move(default_move(rig), rig), step)
     return [
         Row.of((rig.name, kind, step), partial(run, rig, prepared, free, kind, step), repeat)
         for kind in mjcf.INTEGRATORS

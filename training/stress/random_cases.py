@@ -46,7 +46,7 @@ def random_case(seed: int, number: int) -> Finding:
     """Draw a rig and a move, and follow it."""
     rng = np.random.default_rng([seed, number])
     rig = random_rig(rng)
-    reference = from_move(random_move(rig, rng))
+    reference = from_move(random_move(rig, rng), rig)
     return followed_or_refused(rig, reference)
 
 
