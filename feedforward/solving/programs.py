@@ -37,7 +37,7 @@ SAMPLES = 48
 ABOUT = 0.1
 """How far from home these are, over the size of its outputs, or in rad."""
 PUSH = 0.5
-"""Accelerations there [m/s2] or [rad/s2]."""
+"""Accelerations there [m/s2] or [rad/s2]; every place is looked at in rest, too."""
 
 Step = Callable[..., Any]
 
@@ -98,7 +98,11 @@ def compiled(problem: Problem) -> Compiled | None:
 
 
 def samples_about(problem: Problem) -> list[list[Array]]:
-    """Values of the unknowns at places about home, each as a series of one coefficient."""
+    """Values of the unknowns at places about home, each as a series of one coefficient.
+
+    Every path begins and ends in rest, where ropes hang straight: what vanishes there, such as how
+    far a load is to the side of what it hangs from, is no pivot, however large it is in motion.
+    """
     outputs = home_outputs(problem.equations)
     random = np.random.default_rng(0)
     taylor = np.zeros((problem.order + 1, SAMPLES, len(outputs)))
@@ -109,10 +113,18 @@ def samples_about(problem: Problem) -> list[list[Array]]:
     scale = [scales.get(name, size) for name in problem.rig.outputs]
     taylor[0] = outputs + ABOUT * random.uniform(-1.0, 1.0, taylor[0].shape) * scale
     taylor[2] = PUSH * random.uniform(-1.0, 1.0, taylor[0].shape)
+    values, good = _unknowns(problem, taylor)
+    moving = values[:, good] if good.any() else np.nan_to_num(values)
+    taylor[2] = 0.0
+    values, good = _unknowns(problem, taylor)
+    seen = [_turned(problem, part, random) for part in (moving, values[:, good])]
+    return [[row] for row in np.hstack(seen)]
+
+
+def _unknowns(problem: Problem, taylor: Array) -> tuple[Array, Mask]:
+    """Unknowns (unknowns, N) for a reference's coefficients, and where they have values."""
     solution = expand(problem, taylor, home_unknowns(problem.equations), follow=False)
-    good = solution.solved
-    values = solution.values[:, good if good.any() else slice(None)]
-    return [[row] for row in _turned(problem, np.nan_to_num(values), random)]
+    return solution.values, solution.solved
 
 
 def _turned(problem: Problem, values: Array, random: np.random.Generator) -> Array:

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from flatrig import models
@@ -57,10 +58,40 @@ def test_a_turn_about_a_fixed_axis_is_one():
 
 def test_a_turn_through_the_singular_place_of_its_angles_is_refused():
     path = rest_to_rest((0, 0, 0), (0, np.pi / 2, 0), 5.0)
-    with pytest.raises(PathError, match="x axis is vertical, where its Bryant angles are singular"):
+    with pytest.raises(PathError, match="at t = 5 s the platform's beta is 90 degrees, where its"):
         fixed_axis(path, (0, 1, 2))
+    # At no round fraction of the duration.
+    through = rest_to_rest((0, -1.9, 0), (0, -1.1, 0), 5.0)
+    share = (1.9 - np.pi / 2) / 0.8
+    time = brentq(lambda t: through([t])[0, 1] + 1.9 - 0.8 * share, 0.0, 5.0)
+    with pytest.raises(PathError, match=f"at t = {time:.4g} s the platform's beta is -90 degrees"):
+        fixed_axis(through, (0, 1, 2))
     with pytest.raises(PathError, match=r"columns are \(0, 1, 3\), they must be three of 0 to 2"):
         fixed_axis(path, (0, 1, 3))
+
+
+@pytest.mark.parametrize(
+    ("start", "goal"),
+    [
+        ((2.25, 2.18, 1.96), (2.25, -0.17, -1.12)),  # past half a turn, lying on its back
+        ((2.5, 0.3, -2.9), (-2.6, -0.2, 2.8)),
+        ((np.pi, 0.2, 0.0), (np.pi, -0.9, 0.0)),  # upside down, where alpha stays half a turn
+        ((0.0, 2.0, 0.0), (0.0, 3.0, 2 * np.pi)),
+        ((0.3, -0.2, 7.0), (1.0, 0.4, 6.0)),
+    ],
+)
+def test_angles_of_a_turn_start_as_they_are_given_and_do_not_jump(start, goal):
+    path = fixed_axis(rest_to_rest(start, goal, 5.0), (0, 1, 2))
+    times = np.linspace(0, 5, 2001)
+    values, rates = path.derivatives(times, 1)
+    assert_allclose(values[0], start, atol=1e-14)
+    assert np.abs(np.diff(values, axis=0)).max() < 0.1
+    assert_allclose(np.gradient(values, times, axis=0)[2:-2], rates[2:-2], atol=1e-3)
+    given = Rotation.from_euler("XYZ", [start, goal])
+    whole = (given[0].inv() * given[1]).as_rotvec()
+    share = rest_to_rest((0,), (1,), 5.0)(times)
+    turned = given[0] * Rotation.from_rotvec(whole * share)
+    assert_allclose(Rotation.from_euler("XYZ", values).as_matrix(), turned.as_matrix(), atol=1e-14)
 
 
 def test_a_platform_may_start_whole_turns_away():

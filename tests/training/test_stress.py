@@ -15,7 +15,14 @@ from flatrig import feedforward, models
 from flatrig.models.errors import PathError
 from flatrig.training import cli
 from flatrig.training.options import Stress
-from flatrig.training.stress import episode_cases, program_cases, run_cases, solver_cases
+from flatrig.training.stress import (
+    episode_cases,
+    program_cases,
+    random_cases,
+    random_limits,
+    run_cases,
+    solver_cases,
+)
 from flatrig.training.stress import roads as stress_roads
 from flatrig.training.stress import stiff_cases as stiff
 from flatrig.training.stress import suite as stress
@@ -31,6 +38,8 @@ from flatrig.training.stress.case import (
     worst,
 )
 from flatrig.training.stress.random_cases import random_case
+from flatrig.training.stress.random_frames import boom_crane
+from flatrig.training.stress.random_parts import Dice
 from flatrig.training.stress.random_rigs import KINDS, random_rig
 
 
@@ -131,6 +140,28 @@ def test_random_rigs_are_of_every_kind_and_the_same_again():
     assert {frame.kind for rig in rigs for frame in rig.frames} == {"turning", "sliding"}
     assert any(rope.falls > 1 for rig in rigs for rope in rig.ropes)
     assert any(rope.sheaves for rig in rigs for rope in rig.ropes)
+
+
+def test_a_base_whose_motion_is_given_is_drawn_without_friction_and_gear(monkeypatch):
+    monkeypatch.setattr(random_limits, "SHARE", 1.0)
+    based = rubbed = 0
+    for seed in range(30):
+        dice = Dice(np.random.default_rng(seed), 1.0)
+        rig = random_limits.limited(boom_crane(dice), dice)
+        based += rig.frames[0].given
+        rubbed += any(frame.friction.viscous for frame in rig.frames)
+    assert based > 2
+    assert rubbed > 10
+
+
+def test_a_rig_that_cannot_be_drawn_is_a_fault(monkeypatch):
+    def none(rng):
+        raise models.RigError("there is no such rig")
+
+    monkeypatch.setattr(random_cases, "random_rig", none)
+    found = random_case(0, 0)
+    assert found.error == math.inf
+    assert found.road == "drew no valid rig: there is no such rig"
 
 
 def test_random_rigs_end_as_they_must():

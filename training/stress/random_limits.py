@@ -29,7 +29,9 @@ def limited(rig: Rig, dice: Dice) -> Rig:
         dry = force * dice.decades(1e-5, 1e-1) if part.name in driven and dice.maybe() else 0.0
         return Friction(dry, force / speed * dice.decades(1e-5, 1e-1) if dice.maybe() else 0.0)
 
-    frames = tuple(replace(part, friction=rubbing(part)) for part in rig.frames)
+    frames = tuple(
+        part if part.given else replace(part, friction=rubbing(part)) for part in rig.frames
+    )
     trolleys = tuple(replace(part, friction=rubbing(part)) for part in rig.trolleys)
     loads = tuple(_dragged(rig, part, dice, not turns) for part in rig.loads)
     ropes = tuple(_ended(rig, replace(part, friction=rubbing(part)), dice) for part in rig.ropes)
@@ -64,6 +66,8 @@ def _ended(rig: Rig, rope: Rope, dice: Dice) -> Rope:
 def _driven(rig: Rig, drive: Drive, dice: Dice) -> Drive:
     """With a gear, perhaps one that loses power, and limits that a move may pass."""
     part, swing = rig.driven(drive), math.sqrt(dice.size / rig.gravity)
+    if isinstance(part, Frame) and part.given:  # its input is an acceleration
+        return drive
     turning = isinstance(part, Frame) and part.kind == "turning"
     way = (1.0 if turning else dice.size) / rig.arm(drive)
     gear = dice.decades(1e-1, 1e2) if dice.maybe() else 1.0
