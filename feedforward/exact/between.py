@@ -3,13 +3,16 @@
 On a path that a rig can follow, the blocks' determinants and the lengths of the ropes' spans keep
 away from zero.  They are smooth along it, so that one that comes to zero between two samples shows
 in how steeply it falls before them and rises behind.  There the path is looked at more closely,
-down to a millionth of its duration; and trolleys are where they turn back.  So whether a path is
-accepted does not depend on the instants that are asked for.
+down to a millionth of its duration; and trolleys are where they turn back.  One that comes to zero
+and rises again on the same side may do so too quickly to show: so does that of a load in space on a
+rope from a frame and a trolley, at the instant in which it falls freely, where the rope would grow
+beyond all bounds.  Then a tension changes its sign, and that instant is looked for.  So whether a
+path is accepted does not depend on the instants that are asked for.
 """
 
 import numpy as np
 
-from ...models.types import Array
+from ...models.types import Array, Mask
 from ..paths.reference import Reference, taylor_of
 from .problem import Problem
 from .refusal import failure, first_wrong, passing, stay_on_rails
@@ -19,6 +22,8 @@ STEEPER = 2.0
 """Times that a determinant may fall more steeply between samples than from one to the next."""
 NARROWEST = 1e-6
 """Of the duration, below which nothing is looked for."""
+AT_ONCE = 1e-12
+"""The same where a tension changes its sign."""
 
 
 def look_between(
@@ -55,8 +60,10 @@ def look_between(
         stay_on_rails(problem.rig, problem.equations.names, found.values, turns)
     values, margins = solution.values, look.margins(solution)
     while True:
-        new = _suspected(times, margins)
-        new = new[np.diff(times)[np.searchsorted(times, new) - 1] > NARROWEST * times[-1]]
+        new = np.union1d(
+            _middles(times, _suspected(times, margins), NARROWEST),
+            _middles(times, _changed(values[look.pulls]), AT_ONCE),
+        )
         if not new.size:
             return
         found = look.at(new, times, values)
@@ -72,6 +79,8 @@ class _Look:
     def __init__(self, problem: Problem, reference: Reference, signs: dict[int, float]) -> None:
         self.problem, self.reference, self.signs = problem, reference, signs
         self._lengths = np.vstack(problem.equations.span_lengths)
+        self.pulls = _deciding(problem)
+        """Unknowns that are tensions on which a determinant depends."""
 
     def at(self, new: Array, times: Array, values: Array) -> Solution:
         """The solution at new instants (M,), from values (unknowns, N) at those around them.
@@ -120,14 +129,31 @@ class _Look:
         return np.unique(np.concatenate(found)) if found else np.zeros(0)
 
 
-def _suspected(times: Array, margins: Array) -> Array:
-    """Middles of the intervals in which one of the margins (K, N) may come to zero."""
-    if not len(margins):
-        return np.zeros(0)
+def _deciding(problem: Problem) -> list[int]:
+    """Multipliers of spans and links that stand in the matrix of a block."""
+    equations = problem.equations
+    first = len(equations.names)
+    pulls = {first + row for row in equations.with_role("span", "link")}
+    slopes = [slope for step in problem.steps for row in step.slopes for slope in row]
+    return sorted(pulls & {j for slope in slopes for _, j in slope.terms})
+
+
+def _middles(times: Array, intervals: Mask, narrowest: float) -> Array:
+    """Middles of some of the intervals (N - 1,), but of those that are narrow enough."""
+    wide = np.diff(times) > narrowest * times[-1]
+    return np.asarray(0.5 * (times[1:] + times[:-1])[intervals & wide])
+
+
+def _changed(pulls: Array) -> Mask:
+    """Intervals (N - 1,) in which a tension (K, N) changes its sign."""
+    return np.asarray((pulls[:, 1:] * pulls[:, :-1] < 0.0).any(axis=0))
+
+
+def _suspected(times: Array, margins: Array) -> Mask:
+    """Intervals (N - 1,) in which one of the margins (K, N) may come to zero."""
     steps = np.diff(times)
     slopes = np.abs(np.diff(margins, axis=1)) / steps
     steepest = np.maximum(slopes, np.pad(slopes[:, 1:], ((0, 0), (0, 1))))
     steepest = np.maximum(steepest, np.pad(slopes[:, :-1], ((0, 0), (1, 0))))
     reached = margins[:, 1:] + margins[:, :-1] < STEEPER * steepest * steps
-    suspected = reached.any(axis=0)
-    return np.asarray(0.5 * (times[1:] + times[:-1])[suspected])
+    return np.asarray(reached.any(axis=0))
