@@ -172,3 +172,19 @@ def test_rigs_that_were_wrong_once(number, ending):
 def test_forces_through_the_axis_of_a_boom_turn_it_by_rounding_alone():
     """A load hangs from a point on the axis: what was told wrong was 1e-16 of force times arm."""
     assert judge(Case("", "", random_case, EITHER, (1, 557))).ending == CORRECT
+
+
+def test_a_turning_body_is_measured_by_its_spin_where_its_acceleration_passes_zero():
+    """That comes from directors, which its rate's square accelerates there: 9e-12 N m of 8e7 kg m2
+    are rounding, and a hundred-millionth of what turns the directors is not."""
+    number = 1369
+    assert judge(Case("", "", random_case, EITHER, (1, number))).ending == CORRECT
+    rng = np.random.default_rng([1, number])
+    rig = random_rig(rng)
+    path = feedforward.from_move(random_move(rig, rng))
+    motion = feedforward.solve(rig, path, np.linspace(0.0, path.duration, 151))
+    heavy = int(np.argmax([frame.along for frame in rig.frames]))
+    spin = motion.velocities[75, motion.column(rig.frames[heavy].coordinate)]
+    torque = rig.frames[heavy].along * spin**2
+    motion.inputs[75, heavy] += 1e-8 * torque
+    assert 5e-9 < Seen(motion).bodies() < 1.1e-8

@@ -23,7 +23,7 @@ from ...models.rig.chain import chain_of
 from ...models.rig.lengths import rope_lengths, spans
 from ...models.rig.rig import Frame, Load, Platform, Rig, Trolley
 from ...models.types import Array
-from .frame_motion import Moving, carried, moving_frames, taken
+from .frame_motion import Moving, carried, moving_frames, taken, turning
 from .given_forces import added_by_sheave, given, rubbed, smooth_twin
 
 UNLOADED = 1e-6
@@ -199,18 +199,18 @@ class Seen:
         own = [trolley.name for trolley in self.rig.trolleys if trolley.rail in rails]
         own += [a.name for a in self.rig.anchors if a.frame in on and a.name in pushed]
         axis = self._moving[frame.parent].turned @ np.array(frame.axis)
-        forces: list[tuple[Array, Array, Array, Array]] = []
-        for name in own:
-            force, pull = pushed[name]
-            forces.append((force, self.world[name][0], np.zeros_like(force), pull))
-        for other in carried(self.rig, frame):
-            force, place, moment = taken(self.rig, other, self._moving[other.name])
-            forces.append((-force, place, -moment, np.asarray(np.linalg.norm(force, axis=1))))
         second = self.motion.accelerations[:, self.motion.column(frame.coordinate)]
         missing, size = np.zeros_like(second), np.zeros_like(second)
+        forces: list[tuple[Array, Array, Array, Array, Array]] = []
+        for name in own:
+            force, pull = pushed[name]
+            forces.append((force, self.world[name][0], np.zeros_like(force), pull, size))
+        for other in carried(self.rig, frame):
+            force, place, moment, turned = taken(self.rig, other, self._moving[other.name])
+            forces.append((-force, place, -moment, np.linalg.norm(force, axis=1), turned))
         if frame.kind == "turning":
-            missing, size = -frame.along * second, frame.along * np.abs(second)
-        for force, place, moment, pull in forces:
+            missing, size = -frame.along * second, frame.along * turning(self._moving[frame.name])
+        for force, place, moment, pull, turned in forces:
             if frame.kind == "sliding":
                 missing, size = missing + (force * axis).sum(axis=1), size + pull
                 continue
@@ -219,7 +219,7 @@ class Seen:
             missing = missing + (turn * axis).sum(axis=1)
             reach = np.linalg.norm(np.cross(arm, axis), axis=1)
             reach = np.maximum(reach, THROUGH * np.linalg.norm(arm, axis=1))
-            size = size + reach * pull + np.abs((moment * axis).sum(axis=1))
+            size = size + reach * pull + turned
         return _largest(*self._driven(frame.name, missing, size))
 
     def _driven(self, part: str, missing: Array, size: Array) -> tuple[Array, Array]:

@@ -75,8 +75,12 @@ def carried(rig: Rig, frame: Frame) -> list[Frame]:
     return [other for other in rig.frames if other.name in names]
 
 
-def taken(rig: Rig, frame: Frame, at: Moving) -> tuple[Array, Array, Array]:
-    """What a frame's own body takes: force (N, 3), where (N, 3), and moment about there (N, 3)."""
+def taken(rig: Rig, frame: Frame, at: Moving) -> tuple[Array, Array, Array, Array]:
+    """What a frame's own body takes: force (N, 3), where (N, 3), and moment about there (N, 3).
+
+    With the moment's size (N,): its parts are accelerated towards the axis, too, by the square of
+    the angular velocity, which no moment shows and which rounding is a share of.
+    """
     up = np.array((0.0, 0.0, rig.gravity))
     mass, centre = frame.mass, frame.centre
     if frame.kind == "sliding":
@@ -85,4 +89,9 @@ def taken(rig: Rig, frame: Frame, at: Moving) -> tuple[Array, Array, Array]:
     own = np.einsum("nij,jk,nlk->nil", at.turned, tensor(frame.inertia), at.turned)
     momentum = np.einsum("nij,nj->ni", own, at.spin)
     moment = np.einsum("nij,nj->ni", own, at.twist) + np.cross(at.spin, momentum)
-    return force, at.place(centre), moment
+    return force, at.place(centre), moment, np.linalg.norm(own, axis=(1, 2)) * turning(at)
+
+
+def turning(at: Moving) -> Array:
+    """How fast directors change their velocity, over their length, (N,) [1/s2]."""
+    return np.asarray(np.linalg.norm(at.twist, axis=1) + np.square(at.spin).sum(axis=1))
