@@ -40,6 +40,7 @@ from .hand.pose_controller import PoseFeedback
 from .hand.task import HandTask
 from .laws import Law, task_of, wrap
 from .ranges import quantity
+from .states import EpisodeState
 from .vectors import make_vec
 
 __all__ = [
@@ -53,6 +54,7 @@ __all__ = [
     "CraneTask",
     "CraneVectorEnv",
     "Disturbances",
+    "EpisodeState",
     "Feedforward",
     "FrictionCompensation",
     "HandDisturbances",

@@ -16,10 +16,10 @@ from .common import NOT_FINITE, TIME, Ids, Outcome, none_of
 from .option_checks import actions_of
 from .plans import PlanT
 from .ranges import ScenarioT
-from .task_parts import Parts
+from .states import Saving
 
 
-class Task(Parts[PlanT, ScenarioT]):
+class Task(Saving[PlanT, ScenarioT]):
     """n simulations whose episodes begin, go on and end."""
 
     def reset(

@@ -19,19 +19,23 @@ It reads what is measured off `task.encoders`, and what is planned off `task.row
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import gymnasium as gym
+import numpy as np
 from gymnasium.envs.registration import EnvSpec, WrapperSpec
 from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..models.errors import OptionError
 from ..models.types import Array
+from .common import Ids
 from .episodes import AnyTask, Task
 from .option_checks import actions_of
+from .remembering import Remembering
+from .states import EpisodeState
 
 AnyEnv = gym.Env[Any, Any] | VectorEnv[Any, Any, Any]
 
@@ -52,8 +56,13 @@ class Law(ABC):
         """The part of it that holds the plant at rest, (n, drives) over the limits, if any."""
         return None
 
+    @property
+    def memory(self) -> tuple[NDArray[Any], ...]:
+        """All that it remembers from step to step: live arrays (n, ...), for saved states."""
+        return ()
 
-class Controller(gym.Wrapper[Any, Any, Any, Any]):
+
+class Controller(Remembering, gym.Wrapper[Any, Any, Any, Any]):
     """A law in front of a single environment; `options` make the same controller again."""
 
     def __init__(
@@ -74,8 +83,35 @@ class Controller(gym.Wrapper[Any, Any, Any, Any]):
         inputs = self._task.acting.of_drives(actions_of(action, *self._expected)[None])
         return self.env.step(self._task.acting.of_actions(self.law.apply(inputs))[0])
 
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Begin an episode, or go on with one."""
+        state = options.get("state") if isinstance(options, Mapping) else None
+        self._check(state)
+        begun = super().reset(seed=seed, options=options)
+        if state is not None:
+            self._recall(state, 0)
+        return begun
 
-class VectorController(VectorWrapper[Any, Any, Any, Any, Any]):
+    def get_state(self) -> EpisodeState:
+        """The episode as it is, with what is remembered here, see `flatrig.envs.states`."""
+        return self._adds(self._below.get_state(), 0)
+
+    def set_state(self, state: EpisodeState) -> None:
+        """Go on with an episode from where it was.
+
+        Raises
+        ------
+        OptionError
+            It is no state of such an environment with these controllers; then nothing has changed.
+        """
+        self._check(state)
+        self._below.set_state(state)
+        self._recall(state, 0)
+
+
+class VectorController(Remembering, VectorWrapper[Any, Any, Any, Any, Any]):
     """A law in front of a vector environment; `options` make the same controller again."""
 
     def __init__(
@@ -102,6 +138,41 @@ class VectorController(VectorWrapper[Any, Any, Any, Any, Any]):
         """Hand down what the law makes of the actions."""
         inputs = self._task.acting.of_drives(actions_of(actions, *self._expected))
         return self.env.step(self._task.acting.of_actions(self.law.apply(inputs)))
+
+    def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> Any:
+        """Begin episodes, or go on with some."""
+        states = options.get("states") if isinstance(options, Mapping) else None
+        states = list(states) if isinstance(states, Sequence) else []
+        mask = np.ones(len(states), bool) if states else None
+        if states and options is not None and options.get("reset_mask") is not None:
+            mask = options["reset_mask"]
+        for state in states:
+            self._check(state)
+        begun = super().reset(seed=seed, options=options)
+        for sim, state in enumerate(states):
+            if state is not None and mask is not None and mask[sim]:
+                self._recall(state, sim)
+        return begun
+
+    def get_state(self, ids: Ids | None = None) -> list[EpisodeState]:
+        """Episodes as they are, with what is remembered here, see `flatrig.envs.states`."""
+        sims = range(self.num_envs) if ids is None else ids.tolist()
+        below = self._below.get_state(ids)
+        return [self._adds(state, sim) for sim, state in zip(sims, below, strict=True)]
+
+    def set_state(self, states: Sequence[EpisodeState], ids: Ids | None = None) -> None:
+        """Go on with episodes from where they were, in some simulations or all.
+
+        Raises
+        ------
+        OptionError
+            One is no state of such an environment with these controllers; then nothing has changed.
+        """
+        for state in states:
+            self._check(state)
+        self._below.set_state(states, ids)
+        for sim, state in zip(range(self.num_envs) if ids is None else ids, states, strict=True):
+            self._recall(state, int(sim))
 
 
 def _spec_with(below: EnvSpec | None, law: Law, options: dict[str, Any]) -> EnvSpec | None:

@@ -147,6 +147,19 @@ def check_options(options: dict[str, Any] | None, known: tuple[str, ...]) -> dic
     return options
 
 
+def check_alone(options: Mapping[str, Any], name: str) -> None:
+    """Refuse what is given beside an option of `reset` that says everything.
+
+    Raises
+    ------
+    OptionError
+        Something is.
+    """
+    others = [other for other, value in options.items() if other != name and value is not None]
+    if others:
+        raise OptionError(f"reset has {name!r}, which has its own {others[0]}; give one of them")
+
+
 def check_task_options(task: Callable[..., Any], options: Mapping[str, Any], *more: str) -> None:
     """Refuse options that neither a task nor its environment has, which knows `more`.
 

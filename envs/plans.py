@@ -15,7 +15,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Generic, TypeVar, cast
+from typing import ClassVar, Generic, TypeVar, cast
 
 import numpy as np
 
@@ -122,6 +122,8 @@ class Plan:
     """Inputs over their limits that hold the plant there, shape (drives,)."""
     since: int = field(default=0, kw_only=True)
     """Step of the episode from which on the plan is followed."""
+    live: ClassVar[bool] = False
+    """Whether it changes as the episode goes on."""
 
     @property
     def known(self) -> int:

@@ -56,12 +56,20 @@ class Encoders:
         """What a simulation that rests must keep."""
         return self.errors, self.average, self._counted
 
-    def reset(self, ids: Ids, scenarios: Sequence[AnyScenario], planned: Array) -> None:
-        """Read plants that were put at rest; `planned` are all plants' (n, 2 drives)."""
-        self._resolution[ids, 0] = [scenario.encoder_resolution for scenario in scenarios]
+    def resolution(self, sim: int) -> float:
+        """Step of what the encoders of a simulation read [m, rad], 0 for none."""
+        return float(self._resolution[sim, 0])
+
+    def equip(self, ids: Ids, resolutions: Sequence[float]) -> None:
+        """Give simulations encoders of such resolutions."""
+        self._resolution[ids, 0] = resolutions
         if self._resolution.any() and not self._counting:
             self._counting, self.measured = True, self._counted
             self._counted[...] = self._plant.encoders
+
+    def reset(self, ids: Ids, scenarios: Sequence[AnyScenario], planned: Array) -> None:
+        """Read plants that were put at rest; `planned` are all plants' (n, 2 drives)."""
+        self.equip(ids, [scenario.encoder_resolution for scenario in scenarios])
         self._counted[ids] = np.hstack((self._rounded(), self._plant.drive_rates))[ids]
         self.errors[ids] = planned[ids] - self.measured[ids]
         self.average[ids] = 0.0
@@ -124,14 +132,24 @@ class Commands:
         self._step = None if np.isinf(band.step).all() else np.tile(band.step, (num, 1))
         self._periods = np.zeros(num, dtype=np.int64)
         self._sent = np.zeros((LONGEST_DELAY + 1, num, drives))
+        self.sent = self._sent.swapaxes(0, 1)
+        """What was sent in the last periods, by turns, (n, periods, drives)."""
         self._every = np.arange(num)
         self._late = False
 
     def reset(self, ids: Ids, scenarios: Sequence[AnyScenario], commands: Array) -> None:
         """Start anew: until the first command arrives, `commands` (len(ids), drives) act."""
         self.last[ids], self.change[ids] = commands, 0.0
-        self._periods[ids] = [scenario.delay for scenario in scenarios]
         self._sent[:, ids] = commands
+        self.equip(ids, [scenario.delay for scenario in scenarios])
+
+    def delay(self, sim: int) -> int:
+        """Whole control periods between a command of a simulation and its input."""
+        return int(self._periods[sim])
+
+    def equip(self, ids: Ids, delays: Sequence[int]) -> None:
+        """Let commands of simulations come so many control periods late."""
+        self._periods[ids] = delays
         self._late = bool(self._periods.any())
 
     def send(self, actions: Array, step: Steps) -> Array:
@@ -190,6 +208,17 @@ class Rows:
         """One of `parts` some steps later, or at the end of what is known, (n, its entries)."""
         rows = np.minimum(self._index + steps, self._first + self._known)
         return np.asarray(self._table[:, self._columns[name]][rows])
+
+    def before(self, sim: int, step: int) -> Array:
+        """The rows of a simulation before a step, a copy."""
+        first = int(self._first[sim])
+        return self._table[first : first + step].copy()
+
+    def put_before(self, sim: int, rows: Array) -> None:
+        """Write the first rows of a simulation, whose plan does not begin before they end."""
+        if len(rows):  # else the table may be everybody's
+            first = int(self._first[sim])
+            self._table[first : first + len(rows)] = rows
 
     def _store(self, ids: Ids, plans: Sequence[Plan]) -> None:
         """Write plans into slots of their simulations' own; what is before them stays."""

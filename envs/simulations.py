@@ -77,6 +77,22 @@ class Simulations(ABC, Generic[PlanT, ScenarioT]):
         self.batch.forward(ids, self.stage)
         self._read()
 
+    def restore(self, ids: Ids, rows: Sequence[Array], scenarios: Sequence[ScenarioT]) -> None:
+        """Put simulations into states of MuJoCo; of what else is kept, see `memory`."""
+        for sim, row, scenario in zip(ids.tolist(), rows, scenarios, strict=True):
+            self._disturb(sim, scenario)
+            scenario.disturb(self, sim)
+            self.batch.state[sim] = row
+        if self._masses is not None:
+            self.batch.set_const(ids)
+        self.batch.forward(ids, self.stage)
+        self.batch.state[ids] = rows  # where a solver begins has changed by having solved
+
+    @property
+    @abstractmethod
+    def memory(self) -> tuple[Array, ...]:
+        """What belongs to a state beside MuJoCo's own: live arrays (n, ...)."""
+
     def require_threads(self) -> None:
         """Refuse to wait for threads that are not there.
 

@@ -1,15 +1,20 @@
 """One simulation with Gymnasium's `Env` interface: a batch of one."""
 
+from collections.abc import Callable, Mapping
+from copy import deepcopy
+from dataclasses import replace
 from typing import Any, Generic, TypeVar
 
 import gymnasium as gym
+import mujoco
 from numpy.typing import ArrayLike
 
 from ..models.types import Array
 from .episodes import AnyTask
-from .option_checks import actions_of, check_options, seed_of
+from .option_checks import actions_of, check_alone, check_options, seed_of
 from .rendering import MODES, Camera, check_mode
 from .spaces import action_space, observation_space
+from .states import EpisodeState
 
 TaskT = TypeVar("TaskT", bound=AnyTask)
 
@@ -21,6 +26,24 @@ class TaskFace(Generic[TaskT]):
     """The simulations."""
     metadata: dict[str, Any]
     render_mode: str | None
+
+    made_with: Mapping[str, Any]
+    """Options that make the same environment again."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (type(self), dict(self.made_with)), self._kept()
+
+    def __setstate__(self, kept: dict[str, Any]) -> None:
+        states = kept.pop("states")
+        vars(self).update(kept)
+        for sim, state in states.items():
+            self.task.restore(self.task.all[sim : sim + 1], [state])
+
+    def _kept(self) -> dict[str, Any]:
+        """What a copy has beside its options: its episodes, and what later ones are drawn by."""
+        names = ("spec", "_np_random", "_np_random_seed", "_generators")
+        own = {name: value for name, value in vars(self).items() if name in names}
+        return {**own, "states": {sim: self.task.save(sim) for sim in self.task.begun}}
 
     def _show(self, task: TaskT, render_mode: str | None, modes: tuple[str, ...]) -> None:
         """Take a task, and check how it is to be drawn."""
@@ -49,6 +72,14 @@ class TaskFace(Generic[TaskT]):
         """What the number `info["reason"]` stands for: why an episode is over, "" if it goes on."""
         return self.task.reasons
 
+    def model_of(self, sim: int) -> mujoco.MjModel:
+        """The model of a simulation with its scenario's masses and friction, a copy, to be read."""
+        return self.task.plant.batch.get_model(sim)
+
+    def data_of(self, sim: int) -> mujoco.MjData:
+        """The data of a simulation after the last step, a copy, to be read."""
+        return self.task.plant.batch.get_data(sim)
+
     def _pictures(self) -> list[Any] | None:
         """A picture (height, width, 3) of bytes of each simulation, None without a mode."""
         if self.render_mode is None:
@@ -64,13 +95,19 @@ class TaskFace(Generic[TaskT]):
             self._camera = None
 
 
+def _again(kind: Callable[..., Any], options: dict[str, Any]) -> Any:
+    """An environment made again."""
+    return kind(**options)
+
+
 OPTIONS = ("scenario", "reference")
 
 
 class TaskEnv(TaskFace[TaskT], gym.Env[Any, Any]):
     """The only simulation of a task.
 
-    `reset(options={"scenario": ..., "reference": ...})` prescribes what would be drawn.
+    `reset(options={"scenario": ..., "reference": ...})` prescribes what would be drawn, and
+    `reset(options={"state": ...})` goes on from where a simulation was, see `flatrig.envs.states`.
     """
 
     metadata = {"render_modes": list(MODES), "render_fps": 50}  # noqa: RUF012 (Gymnasium's)
@@ -85,11 +122,17 @@ class TaskEnv(TaskFace[TaskT], gym.Env[Any, Any]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
         """Begin an episode; see the class for `options`."""
-        options = check_options(options, OPTIONS)
-        super().reset(seed=seed_of(seed))
+        options = check_options(options, (*OPTIONS, "state"))
+        state, prescribed = options.get("state"), [[options.get(name)] for name in OPTIONS]
         task = self.task
-        prescribed = ([options.get(name)] for name in OPTIONS)
-        task.reset(task.all, [self.np_random], *prescribed)
+        if state is not None:
+            check_alone(options, "state")
+            task.check_state(state)
+        super().reset(seed=seed_of(seed))
+        if state is None:
+            task.reset(task.all, [self.np_random], *prescribed)
+        else:
+            self._go_on(state, seed is not None)
         if self.render_mode == "human":
             self.render()
         return task.observation()[0], task.info_of(0)
@@ -106,6 +149,43 @@ class TaskEnv(TaskFace[TaskT], gym.Env[Any, Any]):
             bool(outcome.truncated[0]),
             self.task.info_of(0),
         )
+
+    def get_state(self) -> EpisodeState:
+        """The episode as it is, to be gone on with, see `flatrig.envs.states`.
+
+        Raises
+        ------
+        OptionError
+            None has begun.
+        """
+        return replace(self.task.save(0), generator=deepcopy(self.np_random))
+
+    def set_state(self, state: EpisodeState) -> None:
+        """Go on with an episode from where it was, here or in an environment that is made alike.
+
+        Raises
+        ------
+        OptionError
+            It is no state, or one of a plant, sensors or rates that are others; then nothing has
+            changed.
+        """
+        self._go_on(state, False)
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """The model with the scenario's masses and friction, a copy, to be read."""
+        return self.model_of(0)
+
+    @property
+    def data(self) -> mujoco.MjData:
+        """The simulation's data after the last step, a copy, to be read."""
+        return self.data_of(0)
+
+    def _go_on(self, state: EpisodeState, seeded: bool) -> None:
+        """Go on from a state; later episodes are drawn as there, unless a seed was given."""
+        self.task.restore(self.task.all, [state])
+        if not seeded and state.generator is not None:
+            self.np_random = deepcopy(state.generator)
 
     def render(self) -> Any:
         """A picture (height, width, 3) of bytes, or a frame in the viewer's window."""

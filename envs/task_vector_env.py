@@ -1,6 +1,8 @@
 """Many simulations with Gymnasium's `VectorEnv` interface, stepped together in C threads."""
 
 from collections.abc import Sequence
+from copy import deepcopy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,11 +16,12 @@ from ..models.types import Array, Mask
 from ..models.values import shown
 from .common import Ids
 from .infos import with_masks
-from .option_checks import check_options, mode_of, seed_of
+from .option_checks import check_alone, check_options, mode_of, seed_of
 from .spaces import action_space, observation_space
+from .states import EpisodeState
 from .task_env import TaskFace, TaskT
 
-OPTIONS = ("scenarios", "references", "reset_mask")
+OPTIONS = ("scenarios", "references", "reset_mask", "states")
 
 
 class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
@@ -32,7 +35,8 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
         DISABLED      nothing; it is to be reset before the next step, by "reset_mask"
 
     `reset(options={"scenarios": [...], "references": [...]})` prescribes, one by one, what would
-    be drawn; "reset_mask", n booleans, resets only some.
+    be drawn, and "states" goes on from where simulations were, see `flatrig.envs.states`; None
+    leaves one out.  "reset_mask", n booleans, resets only some.
     """
 
     what = "simulations"
@@ -85,12 +89,17 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
         if chosen.shape != (self.num_envs,) or chosen.dtype != bool:
             raise OptionError(f"reset_mask is {shown(mask)}, it must be {self.num_envs} booleans")
         prescribed = [self._each(name, options.get(name)) for name in OPTIONS[:2]]
-        seeds = self._seeds(seed)
+        states, seeds = self._states(options.get("states"), chosen, prescribed), self._seeds(seed)
         ids = np.flatnonzero(chosen).astype(np.int32)
         for sim in ids.tolist():
             if seeds[sim] is not None:
                 self._generators[sim] = seeding.np_random(seeds[sim])[0]
-        self._begin(ids, *prescribed)
+        self._begin(np.array([sim for sim in ids if states[sim] is None], np.int32), *prescribed)
+        for sim in ids.tolist():
+            if (state := states[sim]) is not None:
+                self.task.restore(self.task.all[sim : sim + 1], [state])
+                if seeds[sim] is None and state.generator is not None:
+                    self._generators[sim] = deepcopy(state.generator)
         return self.task.observation(), with_masks(self.task.info(), chosen)
 
     def step(self, actions: ArrayLike) -> tuple[Array, Array, Mask, Mask, dict[str, Any]]:
@@ -131,6 +140,48 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
             final[sim] = seen[sim]
         last = {"final_obs": final, "final_info": with_masks(self.task.info(), over)}
         return last | {f"_{name}": over.copy() for name in last}
+
+    def get_state(self, ids: Ids | None = None) -> list[EpisodeState]:
+        """Episodes as they are, of some simulations or all, see `flatrig.envs.states`.
+
+        Raises
+        ------
+        OptionError
+            One has not begun.
+        """
+        sims = (self.task.all if ids is None else ids).tolist()
+        return [
+            replace(self.task.save(sim), generator=deepcopy(self._generators[sim])) for sim in sims
+        ]
+
+    def set_state(self, states: Sequence[EpisodeState], ids: Ids | None = None) -> None:
+        """Go on with episodes from where they were, in some simulations or all.
+
+        Raises
+        ------
+        OptionError
+            There is not one for each, one is no state, or of a plant, sensors or rates that are
+            others; then nothing has changed.
+        """
+        ids = self.task.all if ids is None else ids
+        if len(states) != len(ids):
+            raise OptionError(f"state has {len(states)} entries for {len(ids)} {self.what}")
+        self.task.restore(ids, states)
+        for sim, state in zip(ids.tolist(), states, strict=True):
+            if state.generator is not None:
+                self._generators[sim] = deepcopy(state.generator)
+
+    def _states(
+        self, given: Any, chosen: Mask, prescribed: list[list[Any]]
+    ) -> list[EpisodeState | None]:
+        """The option "states": one for each simulation, or None."""
+        states: list[EpisodeState | None] = self._each("states", given)
+        for sim, state in enumerate(states):
+            if state is not None and chosen[sim]:
+                scenario, reference = (values[sim] for values in prescribed)
+                check_alone({"state": 1, "scenario": scenario, "reference": reference}, "state")
+                self.task.check_state(state)
+        return states
 
     def render(self) -> Any:
         """A tuple with a picture (height, width, 3) of bytes for each simulation."""

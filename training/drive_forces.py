@@ -37,14 +37,15 @@ class Excess:
 
     def __init__(self, task: AnyTask) -> None:
         self._task = task
-        self._asked = np.zeros((task.num, len(task.limits)))
-        self.now = self._asked
+        self.asked = np.zeros((task.num, len(task.limits)))
+        """Feedforward of the present period, (n, drives)."""
+        self.now = self.asked
         """Last command minus the feedforward of its period, (n, drives)."""
 
     def look(self, fresh: Mask) -> None:
         """Take in the present command; those of `fresh` episodes have none yet."""
-        self.now = np.where(fresh[:, None], 0.0, self._task.commands - self._asked)
-        self._asked = self._task.rows.parts["feedforward"].copy()
+        self.now = np.where(fresh[:, None], 0.0, self._task.commands - self.asked)
+        self.asked = self._task.rows.parts["feedforward"].copy()
 
 
 class DriveForces:
@@ -80,6 +81,12 @@ class DriveForces:
     def sureness(self) -> Array:
         """How much the drives have turned lately, on a logarithmic scale."""
         return np.asarray(0.5 * np.log(self._ways + 1e-3))
+
+    @property
+    def memory(self) -> tuple[Array, ...]:
+        """What is remembered, live arrays (n, drives)."""
+        filtered = self._rates, self._over, self._drifts, self.direction, self._turns
+        return *filtered, self._both, self._ways, self.excess.asked
 
     def look(self, fresh: Mask) -> None:
         """Take in the present readings, and forget the past of `fresh` episodes."""

@@ -55,6 +55,8 @@ class Features:
         Of the filters [s].
     prepare
         Told before each look which episodes are new.
+    more
+        Gives what `prepare` remembers, live arrays (n, ...).
     """
 
     def __init__(
@@ -63,14 +65,22 @@ class Features:
         period: float,
         time_constants: Sequence[float] = TIME_CONSTANTS,
         prepare: Callable[[Mask], None] = lambda fresh: None,
+        more: Callable[[], tuple[Array, ...]] = tuple,
     ) -> None:
-        self._signals, self._prepare = signals, prepare
+        self._signals, self._prepare, self._more = signals, prepare, more
         self._shares = -np.expm1(-period / np.asarray(time_constants))[:, None]
         self._slow = np.zeros((0, 0, 0))
         now = [name for signal in signals for name in signal.names]
         kept = [name for signal in signals if signal.remembered for name in signal.names]
         self.names = (*now, *(f"{name} ~{tau:g} s" for tau in time_constants for name in kept))
         """Names of all features."""
+
+    def memory(self, num: int) -> tuple[Array, ...]:
+        """What is remembered of n simulations, live arrays (n, ...)."""
+        if len(self._slow) != num:
+            kept = sum(len(signal.names) for signal in self._signals if signal.remembered)
+            self._slow = np.zeros((num, len(self._shares), kept))
+        return self._slow, *self._more()
 
     def look(self, fresh: Mask) -> Array:
         """Take the signals in, and forget the past of simulations whose episode is `fresh`."""
@@ -160,7 +170,7 @@ def crane_features(
             Signal([f"{name} rate error" for name in outputs], lambda: loads.rate_errors, True),
             Signal([f"{rope} tension" for rope in ropes], lambda: loads.tensions / weight, True),
         ]
-    return Features(signals, task.period, time_constants, forces.look)
+    return Features(signals, task.period, time_constants, forces.look, lambda: forces.memory)
 
 
 def hand_features(task: HandTask, time_constants: Sequence[float]) -> Features:
@@ -181,4 +191,4 @@ def hand_features(task: HandTask, time_constants: Sequence[float]) -> Features:
         Signal(named("planned position"), lambda: rows.parts["drives"][:, :drives]),
         Signal(named("holding effort"), lambda: rows.parts["holding"]),
     ]
-    return Features(signals, task.period, time_constants, excess.look)
+    return Features(signals, task.period, time_constants, excess.look, lambda: (excess.asked,))

@@ -38,10 +38,15 @@ class Gate:
         self._decay, self._share = np.exp(-period / forget), -np.expm1(-period / SLOW)
         self._slow, self._evidence = np.zeros((0, len(usual))), np.zeros(0)
 
+    def memory(self, num: int) -> tuple[Array, ...]:
+        """What the gates of n simulations remember, live arrays (n, ...)."""
+        if len(self._evidence) != num:
+            self._slow, self._evidence = np.zeros((num, len(self._usual))), np.zeros(num)
+        return self._slow, self._evidence
+
     def open(self, errors: Array, fresh: Mask) -> Array:
         """Shares of the residual that count, (n, 1), at position errors (n, drives)."""
-        if len(self._evidence) != len(errors):
-            self._slow, self._evidence = np.zeros_like(errors), np.zeros(len(errors))
+        self.memory(len(errors))
         self._slow[fresh], self._evidence[fresh] = 0.0, 0.0
         self._slow += self._share * (errors - self._slow)
         present = np.sqrt(np.square(self._slow / self._usual).mean(axis=1))

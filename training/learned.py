@@ -58,6 +58,13 @@ class LearnedLaw(Law):
         self.heads = np.zeros((task.num, len(card.heads)))
         """What the policy believes the plant to be like, (n, heads), by `Card.heads`."""
 
+    @property
+    def memory(self) -> tuple[Array, ...]:
+        """What features and gates remember, how far the policy is trusted, what it believes."""
+        num = self._task.num
+        own = (self._trust, self.heads)
+        return *own, *self._features.memory(num), *self._gate.memory(num)
+
     def apply(self, actions: Array) -> Array:
         """Add the residual."""
         return np.asarray(actions + self.residual())

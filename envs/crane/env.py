@@ -28,6 +28,7 @@ class CraneEnv(TaskEnv[CraneTask]):
 
     def __init__(self, rig: Any = None, *, render_mode: str | None = None, **options: Any) -> None:
         check_task_options(CraneTask, options)
+        self.made_with = {"rig": rig, "render_mode": render_mode, **options}
         super().__init__(crane_task(rig, 1, **options), render_mode)
 
     def redirect(self, reference: object) -> None:
@@ -57,6 +58,8 @@ class CraneVectorEnv(TaskVectorEnv[CraneTask]):
         **options: Any,
     ) -> None:
         check_task_options(CraneTask, options, "autoreset_mode")
+        own = {"num_envs": num_envs, "render_mode": render_mode, "autoreset_mode": autoreset_mode}
+        self.made_with = {"rig": rig, **own, **options}
         super().__init__(crane_task(rig, num_envs, **options), render_mode, autoreset_mode)
 
     def redirect(self, references: Sequence[object], ids: Ids | None = None) -> None:

@@ -94,6 +94,11 @@ class DryFriction:
         """Whether some of it changes with speed, so that `follow` must be called."""
         return bool(self._surplus.any())
 
+    @property
+    def memory(self) -> tuple[Array, ...]:
+        """Bounds at the speeds of the last substep, (n, ...) each."""
+        return self._on_tendon, self._on_joint
+
     def set(self, sim: int, scenario: Scenario) -> None:
         """Friction of one simulation."""
         at, (on_tendon, on_joint) = self._at, self._coulomb

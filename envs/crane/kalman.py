@@ -70,6 +70,11 @@ class KalmanFilter:
         self.estimate = np.zeros((num, size))
         """Joints and rates, and the load's mass over the rig's minus 1, (n, states + 1)."""
 
+    @property
+    def memory(self) -> tuple[Array, ...]:
+        """What is believed and foreseen, live arrays (n, ...)."""
+        return self._foreseen, self._covariance, self._before, self.estimate
+
     def begin(self, gains: Gains, measured: Array, fresh: Mask) -> None:
         """Nothing moves yet, but loads may hang aside, and weigh what they like."""
         joints, states = gains.joints.shape[1], self._states

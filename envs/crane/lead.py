@@ -37,6 +37,7 @@ class LedPlan(CranePlan):
     """What leads it."""
     length: int = 0
     """Of the episode in control periods."""
+    live = True
 
     @property
     def steps(self) -> int:

@@ -15,6 +15,7 @@ scenario or reference is another because of the sensors.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -82,6 +83,12 @@ class LoadSensors:
     def rest(self, sim: int) -> None:
         """Forget what was read of a plant that was put back to rest."""
 
+    def noise_of(self, sim: int) -> Any:
+        """What a state keeps of the episode's noise."""
+
+    def take_noise(self, sim: int, noise: Any) -> None:
+        """Go on with the noise of a state."""
+
 
 class SwaySensors(LoadSensors):
     """Outputs late and with noise, their rates from that, and tensions with noise.
@@ -146,9 +153,7 @@ class SwaySensors(LoadSensors):
 
     def last(self, ids: Ids, lengths: Steps) -> None:
         """Draw what noise is missing for episodes of so many steps."""
-        missing = int(lengths.max()) + 1 - self._noise.shape[1]
-        if missing > 0:
-            self._noise = np.pad(self._noise, ((0, 0), (0, missing), (0, 0)))
+        self._make_room(int(lengths.max()) + 1)
         for sim in ids.tolist():
             drawn, length = self._drawn[sim], int(lengths[sim]) + 1
             if length > drawn:
@@ -174,6 +179,22 @@ class SwaySensors(LoadSensors):
         self._errors[sim] = self._true[0, sim] + noise[: self._outputs]
         self._tensions[sim] = super().tensions[sim] + noise[self._outputs :]
         self._smooth[sim], self._rates[sim] = self._errors[sim], 0.0
+
+    def noise_of(self, sim: int) -> Any:
+        """Noise that is drawn already, and what draws more."""
+        return self._noise[sim, : self._drawn[sim]], self._own[sim]
+
+    def take_noise(self, sim: int, noise: Any) -> None:
+        """Go on with the noise of a state."""
+        drawn, self._own[sim] = noise
+        self._make_room(len(drawn))
+        self._noise[sim, : len(drawn)], self._drawn[sim] = drawn, len(drawn)
+
+    def _make_room(self, length: int) -> None:
+        """Keep noise of so many steps."""
+        missing = length - self._noise.shape[1]
+        if missing > 0:
+            self._noise = np.pad(self._noise, ((0, 0), (0, missing), (0, 0)))
 
     def _look(self, noise: Array) -> None:
         np.add(self._true[0], noise[:, : self._outputs], self._errors)

@@ -29,6 +29,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...models.errors import OptionError
 from ...models.rig.rig import Rig
@@ -105,6 +106,11 @@ class LQRLaw(Law):
     def estimate(self) -> Array:
         """Mass of the loads over the rig's, (n,)."""
         return np.asarray(1.0 + np.clip(self.filter.estimate[:, -1], -FARTHEST, FARTHEST))
+
+    @property
+    def memory(self) -> tuple[NDArray[Any], ...]:
+        """What was sent, integrals, beliefs, and which regulator is followed."""
+        return self._sent, self._sum, *self.filter.memory, *self._softening.memory
 
     def apply(self, actions: Array) -> Array:
         """Put the regulator's feedback in the place of the PD's."""

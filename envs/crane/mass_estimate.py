@@ -64,6 +64,11 @@ class MassLaw(Law):
         """Slope of the feedforward over the limits in the mass ratio, now, (n, drives)."""
         return np.asarray(self._tables.now()[:, 0])
 
+    @property
+    def memory(self) -> tuple[Array, ...]:
+        """The estimate."""
+        return (self.estimate,)
+
     def apply(self, actions: Array) -> Array:
         """Add what the load takes more than the rig's."""
         slopes, along = self._tables.now().swapaxes(0, 1)

@@ -39,6 +39,11 @@ class PIDLaw(PDLaw):
         self._share = task.period / integral_time
         self._mean = np.zeros((task.num, len(task.limits)))
 
+    @property
+    def memory(self) -> tuple[Array, ...]:
+        """The integrals."""
+        return (self._mean,)
+
     def apply(self, actions: Array) -> Array:
         """Integrate, and add the feedback."""
         task, drives = self._task, len(self._task.limits)

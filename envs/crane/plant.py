@@ -115,6 +115,12 @@ class Plant(Simulations[CranePlan, Scenario]):
         return bool(self.margins.item(worst) > 0)
 
     @property
+    def memory(self) -> tuple[Array, ...]:
+        """What was read, and bounds of friction."""
+        read = (self.encoders, self._mapped, self.margins, self.outputs, self.output_rates)
+        return read if self._friction is None else (*read, *self._friction.memory)
+
+    @property
     def ends(self) -> tuple[str, ...]:
         """Reasons that `why` can give, beside that something is not finite."""
         return tuple(dict.fromkeys(self.reasons))

@@ -9,7 +9,10 @@ This is piecewise-linear LQ control (Wredenhagen, Belanger 1994), with time in t
 ellipsoids.
 """
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ...models.types import Array, Mask
 
@@ -30,6 +33,11 @@ class Softening:
         self._waited = np.zeros(num)
         self.chosen = np.zeros(num, dtype=np.int64)
         """Index of each simulation's regulator, 0 the stiffest, (n,)."""
+
+    @property
+    def memory(self) -> tuple[NDArray[Any], ...]:
+        """What is chosen, and for how long stiffer ones would do, live arrays (n,)."""
+        return self.chosen, self._waited
 
     def choose(self, commands: Array, fresh: Mask) -> Array:
         """Take note of the present commands of all, and give those of the chosen ones.

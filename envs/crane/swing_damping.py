@@ -59,6 +59,11 @@ class SwingLaw(Law):
         self._bound = FARTHEST * task.scales.length
         self._sum = np.zeros((task.num, len(task.rig.outputs)))
 
+    @property
+    def memory(self) -> tuple[Array, ...]:
+        """The integrals."""
+        return (self._sum,)
+
     def apply(self, actions: Array) -> Array:
         """Shift the drives."""
         task, loads = self._task, self._loads

@@ -24,6 +24,7 @@ class HandEnv(TaskEnv[HandTask]):
 
     def __init__(self, hand: Any = None, *, render_mode: str | None = None, **options: Any) -> None:
         check_task_options(HandTask, options)
+        self.made_with = {"hand": hand, "render_mode": render_mode, **options}
         super().__init__(HandTask(hand, num=1, **options), render_mode)
 
 
@@ -45,4 +46,6 @@ class HandVectorEnv(TaskVectorEnv[HandTask]):
         **options: Any,
     ) -> None:
         check_task_options(HandTask, options, "autoreset_mode")
+        own = {"num_envs": num_envs, "render_mode": render_mode, "autoreset_mode": autoreset_mode}
+        self.made_with = {"hand": hand, **own, **options}
         super().__init__(HandTask(hand, num=num_envs, **options), render_mode, autoreset_mode)

@@ -107,6 +107,12 @@ class HandPlant(Simulations[HandPlan, HandScenario]):
             return ""
         return DROPPED if self.gaps[sim].min() >= 0.0 else CONTACT_LOST
 
+    @property
+    def memory(self) -> tuple[Array, ...]:
+        """What was read, how far tips have turned, and how long fingers have not touched."""
+        read = (self.encoders, self.outputs, self.twist, self.normals, self.gaps)
+        return *read, self._true, self.apart
+
     def at_rest(self, plan: HandPlan) -> Array:
         """Joints (nq,) of the pose in which a plan begins."""
         return self._joints(plan.start)

@@ -41,6 +41,11 @@ class PoseFeedbackLaw(Law):
         self._slides = np.vstack([finger.slides for finger in task.hand.fingers])
         self._columns = np.flatnonzero(slide_drives(task.hand))
 
+    @property
+    def memory(self) -> tuple[Array, ...]:
+        """How far the reference is moved."""
+        return (self._moved,)
+
     def apply(self, actions: Array) -> Array:
         """Add what the moved reference asks of the servo."""
         task = self._task

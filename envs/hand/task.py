@@ -101,6 +101,9 @@ class HandTask(Task[HandPlan, HandScenario]):
         near = hand.held.radius * NEAR_SHARE / NEAR
         self._start(Acting(drive_names(hand)), hand_layout(hand), levers, near, band)
 
+    def _made(self) -> dict[str, object]:
+        return {"hand": self.hand, **super()._made()}
+
     def gains(self, track: Track = "moving") -> Gains:
         """Gains of a critically damped PD controller for what each motor moves by itself."""
         frequency = SERVO / self.period

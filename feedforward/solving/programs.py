@@ -48,6 +48,13 @@ class Compiled:
 
     program: Program
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Functions that were made here are made anew elsewhere."""
+        return Compiled, (self.program,)
+
+    def __deepcopy__(self, memo: object) -> "Compiled":
+        return self
+
     @cached_property
     def scalar(self) -> Step:
         """For one sample."""
