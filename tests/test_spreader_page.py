@@ -31,7 +31,7 @@ def test_its_examples_run(monkeypatch, capsys):
     said = capsys.readouterr().out.splitlines()
     assert said[0].startswith("True ")
     assert "rig yard_crane: box.y is held, but at t = " in said[1]
-    assert said[2:] == ["True", "True"]
+    assert said[2:] == ["3600.0 39240", "True", "True"]
 
 
 def test_forces_and_torques_balance():

@@ -19,7 +19,7 @@ from ...models.errors import OptionError
 from ...models.rig.rig import Rig
 from ..common import LONGEST_DELAY, Range
 from ..ranges import PlantScenario, Ranges, quantity
-from .payloads import payloads
+from .payloads import payload_weight
 
 NONE: Range = (0.0, 0.0)
 ONE: Range = (1.0, 1.0)
@@ -149,7 +149,7 @@ class Disturbances(Ranges[Scenario]):
         Forces follow from the weight of what the rig carries: friction up to 3 % of it, wind and
         gusts up to 2 % each.
         """
-        weight = rig.gravity * sum(part.mass for part in payloads(rig))
+        weight = payload_weight(rig)
         return cls(
             load_mass=(0.7, 1.3),
             winch_friction=(0.0, 0.03 * weight),

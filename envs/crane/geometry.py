@@ -20,7 +20,8 @@ import numpy as np
 from ...models.errors import OptionError
 from ...models.mjcf.rig_state import State, coordinates, points
 from ...models.mjcf.swinging import way
-from ...models.rig.chain import Body, apart, chain_of, joint_names
+from ...models.rig.body import Body
+from ...models.rig.chain import chain_of, joint_names, weighed
 from ...models.rig.lengths import spans
 from ...models.rig.rig import Anchor, Rig
 from ...models.rig.turning_axes import carry
@@ -157,7 +158,7 @@ def geometry_of(rig: Rig, model: object, home: Array) -> Geometry:
         values.append(np.eye(1, columns + 1, size + 9 * index + 9)[0] - UPRIGHT)
         reasons.append(TIPPED)
     clearances = _affine(np.array(values)[..., None])[:, 0]
-    affine = not (rig.links and apart(rig)) and _holds(rig, vectors, owners, size)
+    affine = not weighed(rig) and _holds(rig, vectors, owners, size)
     tilts = any(frame.kind == "turning" and abs(frame.axis[2]) != 1.0 for frame in rig.frames)
     hung = tuple((above, load) for load, above in hangers(rig).items()) if tilts else ()
     return Geometry(clearances, tuple(reasons), vectors, tuple(owners), affine, hung, scales)

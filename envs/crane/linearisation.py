@@ -31,7 +31,7 @@ from .courses import Course
 from .friction_forces import Places
 from .linear_model import LinearModel
 from .outputs import Outputs, sources
-from .payloads import payloads
+from .payloads import payload_bodies, payload_weight, payloads, turns
 
 FRICTIONS = ("winch_friction", "trolley_friction", "frame_friction")
 """Frictions that are disturbances, as scenarios call them."""
@@ -91,8 +91,9 @@ class Lineariser:
         assert model.nq == model.nv
         self.axes = 1 if rig.dimensions == 2 else 2
         self._limits = np.array([drive.largest for drive in rig.drives])
-        self._weight = rig.gravity * sum(part.mass for part in payloads(rig))
+        self._weight = payload_weight(rig)
         self._loads = [model.body(part.name).id for part in payloads(rig)]
+        self._carried = [model.body(name).id for name in payload_bodies(rig)]
         self._states, self._drives = 2 * model.nv, len(self._limits)
         self.disturbances = self.axes + len(FRICTIONS)
         self._copies = 1 + self._states + self._drives + self.disturbances
@@ -158,7 +159,7 @@ class Lineariser:
         self._ropes = batch.bind("ten_J")
         self._lengths, self._gears = batch.bind("actuator_length"), self.model.actuator_gear[:, 0]
         self._masses = batch.expand("body_mass")
-        self._inertias = batch.expand("body_inertia") if self.rig.platforms else None
+        self._inertias = batch.expand("body_inertia") if turns(self.rig) else None
         self._outputs = Outputs(self.rig, self.model, batch, rates=False)
         self._at = Places(self.rig, self.model)
         self._trolleys = np.zeros((len(self.rig.trolleys), self.model.nv))
@@ -198,7 +199,7 @@ class Lineariser:
 
     def _load(self, factors: Array) -> None:
         """Give every simulation its load."""
-        bodies = self._loads
+        bodies = self._carried
         self._masses[:, bodies] = factors[:, None] * self.model.body_mass[bodies]
         if self._inertias is not None:
             self._inertias[:, bodies] = factors[:, None, None] * self.model.body_inertia[bodies]

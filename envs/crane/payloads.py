@@ -2,13 +2,35 @@
 
 from dataclasses import replace
 
-from ...models.rig.rig import Load, Platform, Rig
+from ...models.rig.rig import Link, Load, Platform, Rig
 
 
 def payloads(rig: Rig) -> list[Load | Platform]:
     """Loads that no rope runs over, and platforms; free pulleys and hooks belong to the crane."""
     fittings = rig.pulleys | hooks(rig)
     return [*(load for load in rig.loads if load.name not in fittings), *rig.platforms]
+
+
+def payload_beams(rig: Rig) -> list[Link]:
+    """Beams at an end of which a payload is."""
+    names = {part.name for part in payloads(rig)}
+    return [link for link in rig.links if link.mass and not names.isdisjoint(link.ends)]
+
+
+def payload_weight(rig: Rig) -> float:
+    """Weight of payloads and beams between them [N]."""
+    parts = (*payloads(rig), *payload_beams(rig))
+    return rig.gravity * sum(part.mass for part in parts)
+
+
+def payload_bodies(rig: Rig) -> list[str]:
+    """Names of the bodies in MuJoCo that make up this weight."""
+    return [part.name for part in (*payloads(rig), *payload_beams(rig))]
+
+
+def turns(rig: Rig) -> bool:
+    """Whether some of these bodies have an inertia besides their mass."""
+    return bool(rig.platforms or payload_beams(rig))
 
 
 def hooks(rig: Rig) -> frozenset[str]:
@@ -25,10 +47,18 @@ def hung(rig: Rig) -> list[tuple[str, str]]:
 
 
 def reloaded(rig: Rig, load_mass: float) -> Rig:
-    """The rig with `load_mass` times the mass of its payloads, and their inertia."""
+    """The rig with `load_mass` times the mass of its payloads and their beams, and inertia."""
     carried = payloads(rig)
     others = [part for part in rig.masses if part not in carried]
-    return replace(rig, masses=(*others, *(_times(load_mass, part) for part in carried)))
+    masses = (*others, *(_times(load_mass, part) for part in carried))
+    beams = payload_beams(rig)
+    links = tuple(_beam(load_mass, link) if link in beams else link for link in rig.links)
+    return replace(rig, masses=masses, links=links)
+
+
+def _beam(factor: float, link: Link) -> Link:
+    inertia = None if link.inertia is None else factor * link.inertia
+    return replace(link, mass=factor * link.mass, inertia=inertia)
 
 
 def _times(factor: float, part: Load | Platform) -> Load | Platform:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...models.mjcf.rig_state import State, coordinates, joint_state, points
 from ...models.mjcf.swinging import way
-from ...models.rig.chain import apart, joint_names
+from ...models.rig.chain import joint_names, weighed
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import NOT_FINITE, NOTHING, Ids
@@ -23,7 +23,7 @@ from .geometry import angle_joints, geometry_of, hangers, swing_bodies, turned
 from .link_forces import LinkForces
 from .moving_base import MovingBase
 from .outputs import Outputs
-from .payloads import payloads
+from .payloads import payload_bodies, turns
 from .plan import CranePlan
 from .plant_model import plant_model
 from .tensions import RopeForces
@@ -47,7 +47,7 @@ class Plant(Simulations[CranePlan, Scenario]):
         Tensions of what cannot push, then clearances; an episode ends when one is not > 0.
     tensions
         Of the ropes, then of the links, (n, ropes + links) [N]; links by the description's masses
-        where ropes are constraints.
+        where ropes are constraints or hold beams.
     reasons
         For each column of `margins`, why.
     """
@@ -77,7 +77,7 @@ class Plant(Simulations[CranePlan, Scenario]):
         self._outputs = Outputs(rig, self.model, self.batch, rates, self.tensions)
         self.outputs, self.output_rates = self._outputs.values, self._outputs.rates
         pulls, self._links = self.tensions, None
-        if rig.links and not apart(rig):  # or what tells of ropes tells of links
+        if rig.links and not weighed(rig):  # or what tells of ropes tells of links
             pulls, held = np.split(self.tensions, [len(rig.ropes)], axis=1)
             self._links = LinkForces(rig, self.model, self.batch, held)
         self._forces = RopeForces(rig, self.model, self.batch, self.geometry, self._spans, pulls)
@@ -247,8 +247,8 @@ class Plant(Simulations[CranePlan, Scenario]):
     def _disturb(self, sim: int, scenario: Scenario) -> None:
         """Give a simulation its masses, friction and wind."""
         self._wind.set(sim, scenario)
-        loads = [self.model.body(load.name).id for load in payloads(self.rig)]
-        self._scale_masses(sim, loads, scenario.load_mass, bool(self.rig.platforms))
+        loads = [self.model.body(name).id for name in payload_bodies(self.rig)]
+        self._scale_masses(sim, loads, scenario.load_mass, turns(self.rig))
         if self._friction is not None:
             self._friction.set(sim, scenario)
         if self._viscous is None and scenario.viscous:

@@ -4,6 +4,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from ...models.rig.beams import Beam, beams
 from ...models.rig.lengths import own_spans
 from ...models.rig.rig import WORLD, Frame, Link, Load, Platform, Rig, Rope, Trolley
 from ...models.types import Array
@@ -48,6 +49,8 @@ class _Builder:
             spans.append(indices)
             lengths.append(rows)
         links = tuple(self._link(link) for link in self.rig.links)
+        for beam in beams(self.rig):
+            self._add_beam(beam)
         self._drives()
         points = {part.name: self.position(part.name) for part in self.points}
         stacked = np.array(self.constraints).reshape(-1, self.room + 1, self.room + 1)
@@ -224,6 +227,16 @@ class _Builder:
             beyond = self.row(rope.coordinate) - before
             self.add_inertia(sheave.inertia / sheave.radius**2, beyond)
         return tuple(constraints[i] for i in range(1, last + 1)), lengths
+
+    def _add_beam(self, beam: Beam) -> None:
+        """Adds inertia and weight of a link with a mass."""
+        first, second = (self.position(end) for end in beam.link.ends)
+        (own, coupled), (_, other) = beam.masses
+        self.add_inertia(own, *first)
+        self.add_inertia(other, *second)
+        if coupled:
+            self.add_coupling(coupled, first, second)
+        self.add_weight(beam.link.mass, first + beam.share * (second - first))
 
     def _link(self, link: Link) -> int:
         """Adds the constraint of a link's length; its index."""

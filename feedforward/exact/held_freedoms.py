@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...models.errors import PathError, RigError
+from ...models.rig.beams import beams
 from ...models.rig.rig import Platform, Rig
 from ...models.types import Array
 from .equations import Equations
@@ -134,6 +135,13 @@ def what_is_missing(problem: Problem) -> str:
             "stay, it is a link"
         )
     prescribed = {name for output in rig.outputs for _, name in rig.terms(output)}
+    roped = {point for rope in rig.ropes for point in rope.path}
+    for beam in beams(rig):
+        if beam.masses[0][1] != 0.0 and not roped.issuperset(beam.link.ends):
+            return (
+                f"; link {beam.link.name} has a mass and swings, so that its ends are no flat "
+                "outputs, but its centre of oscillation: models.two_masses puts one end there"
+            )
     for part in rig.hanging:
         for name in (f"{part.name}.{axis}" for axis in rig.axes):
             if name not in prescribed and name not in rig.held:

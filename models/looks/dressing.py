@@ -154,7 +154,7 @@ class _Dressing:
         leaning = {
             link.name for link in chain_of(rig) if any(map(rises, carriers(rig.frames, link.frame)))
         }
-        hung = {b.name: np.array(b.swing.reach) for b in chain_of(rig) if b.swing is not None}
+        swings = {body.name: body.swing for body in chain_of(rig) if body.swing is not None}
         hooks = {end for link in rig.links for end in link.ends}
         for mass in rig.masses:
             body, name = self.bodies[mass.name], mass.name
@@ -166,8 +166,11 @@ class _Dressing:
                     quay.carried_box(paint, body, mass, corners)
                 else:
                     drawing.platform(paint, body, name, corners)
-            elif name in hung:
-                quay.slung_cargo(paint, body, name, hung[name])
+            elif (swing := swings.get(name)) is not None:
+                if swing.link.mass:
+                    quay.beam(paint, body, swing.link.name, np.array(swing.reach))
+                else:
+                    quay.slung_cargo(paint, body, name, np.array(swing.reach))
             elif name in hooks and name not in sheaves:
                 quay.hook_block(paint, body, name)
             elif name in sheaves:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..rig.rig import Anchor, Frame, Platform
 from ..types import Array
-from .drawing import Painter, across_of
+from .drawing import Painter, across_of, up_of
 
 LEGS = (0.06, 0.42)
 """Where the portal's legs stand along the girders, over their length; the rest reaches out."""
@@ -170,6 +170,22 @@ def hook_block(paint: Painter, body: Any, name: str) -> None:
     ring = [(unit * x, 0.0, unit * z) for x, z in bend]
     for index, (start, end) in enumerate(pairwise(ring)):
         paint.rod(body, f"{name}.hook{index + 1}", "steel", (start, end), 0.06 * unit)
+
+
+def beam(paint: Painter, body: Any, name: str, reach: Array) -> None:
+    """A girder of two flanges and a web from the body's origin to `reach`, a lug at either end."""
+    unit, length = paint.unit, float(np.linalg.norm(reach))
+    along = reach / length
+    up = up_of(along)
+    high = min(0.28 * unit, 0.1 * length)
+    sizes = {"web": (0.0, 0.03 * unit, high), "top": (high, 0.14 * unit, 0.03 * unit)}
+    sizes["bottom"] = (-high, *sizes["top"][1:])
+    for label, (above, wide, thick) in sizes.items():
+        half = (0.5 * length, wide, thick)
+        paint.box(body, f"{name}.{label}", "structure", 0.5 * reach + above * up, half, along)
+    for label, place in (("first", 0.0 * reach), ("second", reach)):
+        half = (0.12 * unit, 0.05 * unit, 1.4 * high)
+        paint.box(body, f"{name}.lug.{label}", "dark", place, half, along)
 
 
 def slung_cargo(paint: Painter, body: Any, name: str, reach: Array) -> None:

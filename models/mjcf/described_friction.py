@@ -12,7 +12,8 @@ import mujoco
 
 from ..errors import ModelError
 from ..friction import Friction
-from ..rig.chain import Body, chain_of
+from ..rig.body import Body
+from ..rig.chain import chain_of
 from ..rig.rig import Load, Rig, Rope
 from .ropes import spool
 

@@ -8,7 +8,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..rig.chain import Body, chain_of, joint_names
+from ..rig.body import Body
+from ..rig.chain import chain_of, joint_names
 from ..rig.frames import carriers
 from ..rig.rig import Frame, Platform, Rig, Trolley, Vector
 from ..rig.turning_axes import turn_about

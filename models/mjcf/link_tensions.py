@@ -1,8 +1,8 @@
 """Tensions of a rig's links, from the balance of the bodies that they hold.
 
 Every load gives three equations, a platform six, a trolley one along its rail: mass times
-acceleration is its weight, what drives and ropes do, and the links' unknown pulls.  Masses are the
-description's own, and nothing else may push the bodies.
+acceleration is its weight, what drives, ropes and the inertia of beams do, and the links' unknown
+pulls.  Masses are the description's own, and nothing else may push the bodies.
 """
 
 from collections.abc import Mapping
@@ -10,7 +10,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..rig.chain import Body, chain_of
+from ..rig.beams import beams
+from ..rig.body import Body
+from ..rig.chain import chain_of
 from ..rig.frames import second_moments, tensor
 from ..rig.lengths import spans
 from ..rig.rig import Frame, Load, Platform, Rig, Rope, Trolley
@@ -41,12 +43,12 @@ def link_tensions(
         Inputs, (..., drives).
     """
     matrix, wanted = [], []
-    roped = _of_ropes(rig, world, pulls)
+    known = _of_ropes(rig, world, pulls) + _of_beams(rig, world)
     for body in chain_of(rig):
         if isinstance(body.part, Frame):
             continue
         missing = _needed(rig, body, motion, world, ctrl)
-        for point, force in roped:
+        for point, force in known:
             if body_of(rig, point) == body.name:
                 missing = missing - _effect(rig, body, motion, world, point, force)
         columns = [np.zeros(missing.shape) for _ in rig.links]
@@ -131,6 +133,18 @@ def _of_ropes(rig: Rig, world: Mapping[str, Array], pulls: Array) -> list[tuple[
         for (near, far), tension in zip(pairwise(rope.path), tensions, strict=True):
             force = tension[..., None] * _towards(world, near, far)
             forces += [(near, force), (far, -force)]
+    return forces
+
+
+def _of_beams(rig: Rig, world: Mapping[str, Array]) -> list[tuple[str, Array]]:
+    """Forces (..., 3) of the weight and inertia of all beams on their ends."""
+    forces = []
+    for beam in beams(rig):
+        ends = [world[end][2] for end in beam.link.ends]
+        for end, masses, share in zip(beam.link.ends, beam.masses, beam.shares, strict=True):
+            moved = sum(mass * second for mass, second in zip(masses, ends, strict=True))
+            down = np.array([0.0, 0.0, -share * beam.link.mass * rig.gravity])
+            forces.append((end, np.asarray(down - moved)))
     return forces
 
 

@@ -31,10 +31,11 @@ import numpy as np
 
 from ..errors import ModelError, did_you_mean
 from ..looks.scenery import Scenery
-from ..rig.chain import Body, chain_of
+from ..rig.body import Body
+from ..rig.chain import chain_of
 from ..rig.rig import WORLD, Frame, Platform, Rig, Trolley, Vector
 from ..values import as_number, shown
-from . import described_friction, rigging, spools, stiff_ties
+from . import beam_bodies, described_friction, rigging, spools, stiff_ties
 from .armature import check
 from .at_rest import compile_at_rest
 from .frame_body import give_inertia
@@ -176,6 +177,7 @@ def _scene(
     bodies = {WORLD: scene.worldbody}
     for link in chain_of(rig):
         bodies[link.name] = _body(bodies[link.parent.name if link.parent else WORLD], link, rig)
+    beam_bodies.add(bodies, rig)
     for load in rig.loads:
         if load.mass == 0:
             bodies[load.name].mass, bodies[load.name].gravcomp = massless, 1.0

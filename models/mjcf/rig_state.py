@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 
 from ..errors import ModelError
 from ..friction import Friction
-from ..rig.chain import Body, chain_of, joint_names
+from ..rig.body import Body
+from ..rig.chain import chain_of, joint_names
 from ..rig.coordinate_values import gather
 from ..rig.lengths import rope_lengths
 from ..rig.rig import WORLD, Anchor, Frame, Platform, Rig, Trolley

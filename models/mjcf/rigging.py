@@ -4,7 +4,7 @@ from typing import Any
 
 import mujoco
 
-from ..rig.chain import Body
+from ..rig.body import Body
 from ..rig.rig import Drive, Frame, Rig, Rope, Trolley
 from .ropes import spool
 

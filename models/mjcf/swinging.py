@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ..rig.chain import Body
+from ..rig.body import Body
 from ..rig.rig import Platform, Rig, Vector
 from ..rig.swings import Swing
 from ..rig.turning_axes import turn_about

@@ -15,44 +15,15 @@ Bryant angles, whose first and last axis fall together at beta = +-90 degrees (g
 platform on ropes does not get there.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterator
 from functools import lru_cache
 
 from ..errors import ModelError
-from .frames import carriers, inwards
+from .body import Body, Mass, frame_body, free_body, trolley_body
+from .frames import carriers
 from .link import Link
-from .rig import WORLD, Frame, Load, Platform, Rig, Trolley, Vector
-from .swings import Swing, Tie, swinging, swings, ties
-
-Mass = Trolley | Load | Platform
-Part = Frame | Mass
-
-
-@dataclass(frozen=True)
-class Body:
-    """A body of the model with the joints that move it against its parent."""
-
-    part: Part
-    parent: "Body | None"
-    """The body that carries this one; None for the world."""
-    frame: Frame | None
-    """The frame in whose axes this body's joints are; None for the world."""
-    position: Vector
-    """Position of the body at home, in the parent's axes, from the parent's origin [m]."""
-    joints: tuple[str, ...]
-    """Names of the joints, in the order of qpos."""
-    home: tuple[float, ...]
-    """Value of each joint at home [m], [rad]."""
-    sums: tuple[tuple[str, float], ...] = ()
-    """Joints and coefficients whose sum is the trolley's position on its rail, if not one joint."""
-    swing: Swing | None = None
-    """How the load swings on a link, if it does; its position is the point that it swings about."""
-
-    @property
-    def name(self) -> str:
-        """Name of the body."""
-        return self.part.name
+from .rig import WORLD, Frame, Load, Platform, Rig, Trolley
+from .swings import Tie, body_of, swinging, swings, ties
 
 
 @lru_cache(maxsize=64)
@@ -74,10 +45,30 @@ def apart(rig: Rig) -> str:
     """
     components = _components(rig)
     try:
-        _bodies(rig, components, [_carrier(rig, members) for members in components])
+        chain = _bodies(rig, components, [_carrier(rig, members) for members in components])
     except ModelError as error:
         return str(error)
+    return _beside(rig, {body.name: body for body in chain})
+
+
+def _beside(rig: Rig, bodies: dict[str, Body]) -> str:
+    """Which rope ties what swings on a beam to what is not on its chain; empty if none does."""
+    swung = {body.swing.load.name for body in bodies.values() if body.swing is not None}
+    for rope in rig.ropes:
+        if swung.isdisjoint(rope.path):
+            continue
+        tied = [name for point in rope.path if (name := body_of(rig, point)) is not None]
+        lines = [_line(bodies[name]) for name in tied]
+        longest = max(lines, key=len)
+        for name in tied:
+            if name not in longest:
+                return f"rope {rope.name} ties {name} to {longest[0]}, which is not on its chain"
     return ""
+
+
+def _line(body: Body) -> list[str]:
+    """Names of a body and of all that carry it."""
+    return [body.name, *(_line(body.parent) if body.parent else ())]
 
 
 def _own_frame(rig: Rig, mass: Mass) -> Frame | None:
@@ -107,7 +98,7 @@ def _bodies(
                 stand(other, above)
 
     def stand(frame: Frame, below: Body | None) -> None:
-        chain.append(_frame_link(rig, frame, below))
+        chain.append(frame_body(rig, frame, below))
         hang(frame, chain[-1])
 
     for frame in rig.frames:
@@ -120,7 +111,15 @@ def _bodies(
         chain.append(
             Body(swing.load, above, swing.frame, swing.pivot, swing.joints, zeros, swing=swing)
         )
-    return tuple(chain)
+    return tuple(_depth_first(chain, None))
+
+
+def _depth_first(bodies: list[Body], above: Body | None) -> Iterator[Body]:
+    """Bodies in the order in which MuJoCo numbers them, from what stands on one on."""
+    for body in bodies:
+        if body.parent is above:
+            yield body
+            yield from _depth_first(bodies, body)
 
 
 def stiff_links(rig: Rig) -> tuple[Link, ...]:
@@ -197,14 +196,6 @@ def _spoken(tied: list[Tie]) -> str:
     return " and ".join(parts)
 
 
-def _frame_link(rig: Rig, frame: Frame, parent: Body | None) -> Body:
-    value = rig.home_of(frame)
-    shift = value if frame.kind == "sliding" else 0.0
-    pairs = zip(frame.origin, frame.axis, strict=True)
-    position = _vector(start + shift * part for start, part in pairs)
-    return Body(frame, parent, frame, position, (frame.coordinate,), (value,))
-
-
 def _chain(rig: Rig, members: list[Mass], above: Body | None) -> list[Body]:
     """Trolleys, then free pulleys, then loads, then a platform, each on the one before."""
     loads = [mass for mass in members if isinstance(mass, Load)]
@@ -213,13 +204,13 @@ def _chain(rig: Rig, members: list[Mass], above: Body | None) -> list[Body]:
     chain: list[Body] = []
     for mass in members:
         if isinstance(mass, Trolley):
-            chain.append(_trolley_link(rig, mass, chain[-1] if chain else above))
+            chain.append(trolley_body(rig, mass, chain[-1] if chain else above))
     for load in sorted(loads, key=lambda load: load.name not in rig.pulleys):
         frame = None if above is None else above.frame
-        chain.append(_free_link(rig, load, chain[-1] if chain else above, frame))
+        chain.append(free_body(rig, load, chain[-1] if chain else above, frame))
     for platform in platforms:
         frame = None if above is None else above.frame
-        chain.append(_free_link(rig, platform, chain[-1] if chain else above, frame))
+        chain.append(free_body(rig, platform, chain[-1] if chain else above, frame))
     return chain
 
 
@@ -239,56 +230,11 @@ def _check_platforms(rig: Rig, platforms: list[Platform], above: Body | None) ->
         )
 
 
-def _trolley_link(rig: Rig, trolley: Trolley, parent: Body | None) -> Body:
-    rail = rig.rail(trolley.rail)
-    value = rig.home_of(trolley)
-    sums: tuple[tuple[str, float], ...] = ()
-    if parent is not None and isinstance(parent.part, Trolley):
-        other = rig.rail(parent.part.rail)
-        along = sum(a * b for a, b in zip(rail.direction, other.direction, strict=True))
-        if abs(abs(along) - 1) > 1e-9:
-            raise ModelError(
-                f"ropes tie trolley {trolley.name} to trolley {parent.name}, whose rail "
-                f"{other.name} is not parallel to rail {rail.name}; MuJoCo's mass matrix can "
-                "only hold ropes between trolleys on parallel rails of one frame"
-            )
-        sign = 1.0 if along > 0 else -1.0
-        upper = parent.sums or ((parent.joints[0], 1.0),)
-        value -= sign * rig.home_of(parent.part)
-        sums = (*((name, sign * factor) for name, factor in upper), (trolley.coordinate, 1.0))
-    frame = rig.frame(rail.frame)
-    position = _minus(_home_point(rig, trolley, frame), _origin(rig, parent))
-    return Body(trolley, parent, frame, position, (trolley.coordinate,), (value,), sums)
+def weighed(rig: Rig) -> bool:
+    """Whether tensions of links follow from the balance of what they hold alone.
 
-
-def _free_link(rig: Rig, mass: Load | Platform, parent: Body | None, frame: Frame | None) -> Body:
-    """Slides for a load; slides, then hinges for the angles of a platform."""
-    position = _minus(_home_point(rig, mass, frame), _origin(rig, parent))
-    joints = tuple(f"{mass.name}.{axis}" for axis in rig.axes)
-    home = tuple(position["xyz".index(axis)] for axis in rig.axes)
-    if isinstance(mass, Platform):
-        angles = rig.angles_of(mass)
-        joints, home = (*joints, *angles), (*home, *(0.0 for _ in angles))
-    return Body(mass, parent, frame, position, joints, home)
-
-
-def _origin(rig: Rig, link: Body | None) -> Vector:
-    """Home position of a body in its frame's axes, from the frame's origin."""
-    if link is None or isinstance(link.part, Frame):
-        return (0.0, 0.0, 0.0)
-    return _home_point(rig, link.part, link.frame)
-
-
-def _home_point(rig: Rig, mass: Mass, frame: Frame | None) -> Vector:
-    """Home position of a mass in its frame's axes, from the frame's origin."""
-    return _vector(inwards(rig.frames, frame, rig.home_of, rig.home_point(mass.name)))
-
-
-def _vector(values: Iterable[float]) -> Vector:
-    """Three numbers, rounded so that exported scenes stay readable: 5.2 - 5 is 0.2."""
-    x, y, z = (float(f"{value:.14g}") for value in values)
-    return (x, y, z)
-
-
-def _minus(point: Vector, other: Vector) -> Vector:
-    return _vector(a - b for a, b in zip(point, other, strict=True))
+    A load cell tells them only where a load hangs on its link and nothing else.
+    """
+    swung = {body.name for body in chain_of(rig) if body.swing is not None}
+    roped = {point for rope in rig.ropes for point in rope.path}
+    return bool(rig.links) and (bool(apart(rig)) or not swung.isdisjoint(roped))

@@ -54,7 +54,7 @@ class Description:
     gravity: float = 9.81
     """Acceleration of gravity along -z [m/s2]."""
     links: tuple[Link, ...] = ()
-    """Slings, pendants and struts of constant length."""
+    """Slings, pendants, struts and beams of constant length."""
     held: tuple[str, ...] = ()
     """Coordinates of loads and platforms that symmetry keeps at home, such as that across the plane
     in which a spreader hangs, and two or all of a platform's three angles.  Their equations are
@@ -100,8 +100,8 @@ class Description:
     @cached_property
     def pushing(self) -> frozenset[str]:
         """Names of the ropes and links that can push as well as pull."""
-        parts: tuple[Rope | Link, ...] = (*self.ropes, *self.links)
-        return frozenset(part.name for part in parts if part.pushes)
+        ropes = (rope.name for rope in self.ropes if rope.pushes)
+        return frozenset((*ropes, *(link.name for link in self.links if link.pushes or link.mass)))
 
     @cached_property
     def pulling(self) -> tuple[int, ...]:
@@ -159,8 +159,9 @@ class Description:
 
     @property
     def weight(self) -> float:
-        """Weight of all loads and platforms [N]."""
-        return self.gravity * sum(part.mass for part in self.hanging)
+        """Weight of all loads, platforms and beams [N]."""
+        beams = sum(link.mass for link in self.links)
+        return self.gravity * (sum(part.mass for part in self.hanging) + beams)
 
     def terms(self, output: str) -> tuple[tuple[float, str], ...]:
         """An output as a weighted sum of coordinates: (factor, coordinate) of each term."""

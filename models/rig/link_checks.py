@@ -42,7 +42,9 @@ def check_links(
                 f"{label}: its ends {first} and {second} are both fixed in {frames[first]}, "
                 "it must join two bodies"
             )
-        _check_length(label, link, math.dist(places[first], places[second]))
+        distance = math.dist(places[first], places[second])
+        _check_length(label, link, distance)
+        _check_mass(label, link, distance)
 
 
 def _check_length(label: str, link: Link, distance: float) -> None:
@@ -59,6 +61,45 @@ def _check_length(label: str, link: Link, distance: float) -> None:
             f"{label}: length is {link.length:.7g} m, too {how} for its ends {first} and {second}, "
             f"which are {distance:.7g} m apart at home; leave length out or move one of them"
         )
+
+
+def _check_mass(label: str, link: Link, length: float) -> None:
+    """It is a beam with mass, centre and inertia that a beam can have, or none of them."""
+    if link.mass < 0:
+        raise RigError(f"{label}: mass is {link.mass:g} kg, it must be >= 0")
+    for quantity, unit in (("centre", "m"), ("inertia", "kg m2")):
+        value = getattr(link, quantity)
+        if value is not None and not link.mass:
+            raise RigError(
+                f"{label}: {quantity} is {value:g} {unit} of a mass of 0 kg; give its mass, too"
+            )
+    if link.centre is not None and not 0 <= link.centre <= length:
+        raise RigError(
+            f"{label}: centre is {link.centre:g} m from its first end, it must be 0 to its length "
+            f"{length:.7g} m"
+        )
+    if link.inertia is not None and link.inertia < 0:
+        raise RigError(f"{label}: inertia is {link.inertia:g} kg m2, it must be >= 0")
+
+
+def check_beams(rig: Description) -> None:
+    """Of the ends of a beam one is a load, and loads there have a mass."""
+    loads = {load.name: load for load in rig.loads}
+    for link in rig.links:
+        if not link.mass:
+            continue
+        own = [loads[end] for end in link.ends if end in loads]
+        if not own:
+            raise RigError(
+                f"link {link.name}: mass is {link.mass:g} kg, and none of its ends "
+                f"{' and '.join(link.ends)} is a load; a beam hangs, or make it a frame or platform"
+            )
+        for load in own:
+            if not load.mass:
+                raise RigError(
+                    f"load {load.name}: mass is 0 kg, what hangs at the end of beam {link.name} "
+                    "must have a mass > 0, such as its shackle's"
+                )
 
 
 def check_held(rig: Description) -> None:

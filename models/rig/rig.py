@@ -30,7 +30,7 @@ from .description import Description, named
 from .frames import outwards, parents_first
 from .given import check_given
 from .link import Link
-from .link_checks import check_held, check_links
+from .link_checks import check_beams, check_held, check_links
 from .open_tensions import TENSION, check_counts, check_structure, redundant_bodies
 from .parts import (
     WORLD,
@@ -120,6 +120,7 @@ class Rig(Description):
         places = {name: self.home_point(name) for name in points}
         validation.check_spans(self.ropes, places)
         check_links(self.links, places, {anchor.name: anchor.frame for anchor in self.anchors})
+        check_beams(self)
         check_held(self)
         centres = {part.name: self.home_of(part) for part in self.hanging}
         check_structure(self, places | centres)

@@ -3,10 +3,12 @@
 A load that no rope touches and that hangs on a link swings about the link's other end: two hinges,
 in a plane one, turn the link.  Its length is then exact, without a constraint.  Loads that links
 join to one another make a tree, each below the one before: the links that the tree leaves over
-join a body to one of its ancestors, so that their tendons stay on one chain.
+join a body to one of its ancestors, so that their tendons stay on one chain.  A beam turns with the
+load at its end, which therefore swings on the other end whatever ropes there are.
 
 The first hinge turns about `across`, the second about the one at right angles to it and to the link
-at home; they fall together where the link lies along `across`, a right angle from home.
+at home; they fall together where the link lies along `across`, a right angle from home.  For a beam
+that lies level it is the vertical, so that it turns as it likes until it stands upright.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,9 +20,13 @@ import numpy as np
 
 from ..types import Array
 from ..values import Vector
+from .beams import joined
 from .frames import inwards
 from .link import Link
 from .rig import WORLD, Frame, Load, Rig
+
+LEVEL = 0.7
+"""Part of a beam's direction along z up to which it is level."""
 
 
 class Tie(NamedTuple):
@@ -66,17 +72,35 @@ class Swing:
 
 @lru_cache(maxsize=64)
 def swinging(rig: Rig) -> tuple[tuple[str, ...], ...]:
-    """Names of loads that hang on links alone, those together that links join to one another."""
-    roped = {point for rope in rig.ropes for point in rope.path}
+    """Names of loads that hang on links alone or at the end of a beam.
+
+    Those together that links join to one another.
+    """
     linked = {end for link in rig.links for end in link.ends}
-    free = [p.name for p in rig.loads if p.name in linked - roped and p.mass > 0]
+    borne = linked - _roped(rig) | _on_beams(rig)
+    free = [p.name for p in rig.loads if p.name in borne and p.mass > 0]
     groups = [[name] for name in free]
     for link in rig.links:
-        joined = [group for group in groups if not set(link.ends).isdisjoint(group)]
-        if len(joined) == 2:
-            groups = [group for group in groups if group not in joined] + [joined[0] + joined[1]]
+        both = [group for group in groups if not set(link.ends).isdisjoint(group)]
+        if len(both) == 2:
+            groups = [group for group in groups if group not in both] + [both[0] + both[1]]
     held = [group for group in groups if outside(rig, group)]
     return tuple(tuple(sorted(group, key=free.index)) for group in held)
+
+
+def _roped(rig: Rig) -> set[str]:
+    """Names of the points that ropes run through."""
+    return {point for rope in rig.ropes for point in rope.path}
+
+
+def _on_beams(rig: Rig) -> set[str]:
+    """Names of what swings on beams: of those that beams join, all but one that something holds."""
+    loads, roped = {load.name for load in rig.loads}, _roped(rig)
+    found: set[str] = set()
+    for group in joined(rig):
+        held = [name for name in group if name not in loads] or [n for n in group if n in roped]
+        found |= {*group} - {*held[:1]}
+    return found & loads
 
 
 def outside(rig: Rig, group: Sequence[str]) -> tuple[str, ...]:
@@ -87,9 +111,13 @@ def outside(rig: Rig, group: Sequence[str]) -> tuple[str, ...]:
 
 def ties(rig: Rig) -> tuple[Tie, ...]:
     """Ropes, links between other than swinging loads, and groups of those with two ends or more."""
-    found = [Tie(f"rope {rope.name}", rope.path) for rope in rig.ropes]
     groups = swinging(rig)
     loose = {name for group in groups for name in group}
+    bearers = {name: outside(rig, group) for group in groups for name in group}
+    found = []
+    for rope in rig.ropes:
+        points = [bearers.get(point, (point,)) for point in rope.path]
+        found.append(Tie(f"rope {rope.name}", tuple(name for part in points for name in part)))
     for link in rig.links:
         if loose.isdisjoint(link.ends):
             found.append(Tie(f"link {link.name}", link.ends))
@@ -108,11 +136,19 @@ def swings(rig: Rig, frames: Mapping[str, Frame | None]) -> tuple[Swing, ...]:
     found: list[Swing] = []
     order = [None, *frames]
     for group in swinging(rig):
-        root = max(outside(rig, group), key=lambda end: order.index(body_of(rig, end)))
-        body = body_of(rig, root)
-        frame = None if body is None else frames[body]
-        found += _from(rig, root, set(group), frame, _pivot(rig, root))
+        left, ends = set(group), outside(rig, group)
+        beams = [end for end in ends if any(_bears(link, end, left) for link in rig.links)]
+        last = max(ends, key=lambda end: order.index(body_of(rig, end)))
+        for root in beams or [last]:
+            body = body_of(rig, root)
+            frame = None if body is None else frames[body]
+            found += _from(rig, root, left, frame, _pivot(rig, root))
     return tuple(found)
+
+
+def _bears(link: Link, end: str, loads: set[str]) -> bool:
+    """Whether a link is a beam from this end to one of the loads."""
+    return link.mass > 0 and end in link.ends and not loads.isdisjoint(link.ends)
 
 
 def body_of(rig: Rig, point: str) -> str | None:
@@ -133,7 +169,7 @@ def _from(
     rig: Rig, upper: str, left: set[str], frame: Frame | None, pivot: Vector
 ) -> Iterator[Swing]:
     """Loads below a point, depth first; those found are taken from what is `left`."""
-    for link in rig.links:
+    for link in sorted(rig.links, key=lambda link: not link.mass):  # beams need their own load
         lower = next((end for end in link.ends if end != upper), upper)
         if upper not in link.ends or lower not in left:
             continue
@@ -141,7 +177,8 @@ def _from(
         rest = _rest(rig, frame, upper, lower)
         load = next(part for part in rig.loads if part.name == lower)
         parent, length = body_of(rig, upper), rig.link_length(link)
-        swing = Swing(load, link, upper, parent, frame, pivot, length, rest, _axes(rig, rest))
+        axes = _axes(rig, rest, level=bool(link.mass))
+        swing = Swing(load, link, upper, parent, frame, pivot, length, rest, axes)
         yield swing
         yield from _from(rig, lower, left, frame, swing.reach)
 
@@ -153,12 +190,12 @@ def _rest(rig: Rig, frame: Frame | None, upper: str, lower: str) -> Vector:
     return _tidy(way / np.linalg.norm(way))
 
 
-def _axes(rig: Rig, rest: Vector) -> tuple[Vector, ...]:
-    """Axes of the hinges of a link that lies along `rest` at home."""
+def _axes(rig: Rig, rest: Vector, level: bool) -> tuple[Vector, ...]:
+    """Axes of the hinges of a link that lies along `rest` at home, or of one that may be level."""
     if rig.dimensions == 2:
         return ((0.0, 1.0, 0.0),)
     along = np.array(rest)
-    unit = np.eye(3)[np.abs(along).argmin()]
+    unit = np.eye(3)[2 if level and abs(along[2]) < LEVEL else np.abs(along).argmin()]
     across = unit - (unit @ along) * along
     across /= np.linalg.norm(across)
     return (_tidy(across), _tidy(np.cross(along, across)))

@@ -20,6 +20,7 @@ from .trolley_cranes import GRAVITY
 def tandem_lift(
     *,
     end_mass: float = 2000.0,
+    beam_mass: float = 0.0,
     beam_length: float = 10.0,
     trolley_mass: float = 500.0,
     jib_inertia: float = 5e4,
@@ -30,7 +31,8 @@ def tandem_lift(
 ) -> Rig:
     """Two slewing cranes that carry one beam, each by a rope at an end of it.
 
-    The beam's mass is at its two ends, `end_mass` each; numbers are not from a source.  Six drives
+    There is `end_mass` at either end of the beam, and `beam_mass` spread evenly along it, as of a
+    girder that is lifted by its shackles; numbers are not from a source.  Six drives
     move five freedoms, so that one output more says how the cranes share the work: how far out one
     trolley is, or `beam.tension`, how hard they pull at each other.  Two cranes tie together what
     no chain of bodies holds: in MuJoCo the ropes are constraints.
@@ -39,7 +41,8 @@ def tandem_lift(
     same of crane 2.  Outputs: left.x, .y, .z of the beam's end below crane 1, right.y, .z of the
     other, and trolley_1.position [m].
     """
-    half, weight, foot = 0.5 * beam_length, end_mass * gravity, 0.5 * distance
+    half, foot = 0.5 * beam_length, 0.5 * distance
+    weight = (end_mass + 0.5 * beam_mass) * gravity
     out = foot - half
     sides = (("1", -1.0, "left"), ("2", 1.0, "right"))
     return Rig(
@@ -61,7 +64,7 @@ def tandem_lift(
             Rope(f"hoist_{n}", (f"trolley_{n}", end), drum_radius, winch_inertia)
             for n, _, end in sides
         ),
-        links=(Link("beam", ("left", "right"), pushes=True),),
+        links=(Link("beam", ("left", "right"), pushes=True, mass=beam_mass),),
         drives=tuple(
             drive
             for n, _, _ in sides

@@ -25,7 +25,7 @@ from ...envs.crane.courses import planned
 from ...envs.crane.linear_plans import lineariser_for
 from ...envs.crane.linearisation import FRICTIONS, Lineariser
 from ...envs.crane.optimal_feedback import Weights, output_weights, regulator, with_gusts
-from ...envs.crane.payloads import payloads
+from ...envs.crane.payloads import payload_weight
 from ...envs.crane.plan import CranePlan
 from ...envs.crane.taut_guard import TautBand
 from ...envs.crane.wind import heading
@@ -86,7 +86,7 @@ class CraneTeacher:
         self._memory = max(1, int(self._delays.max()))
         self._every = np.arange(task.num)
         self._axes = lineariser.axes
-        self._weight = task.rig.gravity * sum(part.mass for part in payloads(task.rig))
+        self._weight = payload_weight(task.rig)
         self._places, _ = carried(task.rig)
         names = ("wind", "gust", "gust_phase")
         self._wind = np.array([[getattr(s, name) for name in names] for s in scenarios]).T

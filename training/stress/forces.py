@@ -23,6 +23,7 @@ from ...models.rig.chain import chain_of
 from ...models.rig.lengths import rope_lengths, spans
 from ...models.rig.rig import Frame, Load, Platform, Rig, Trolley
 from ...models.types import Array
+from .beam_forces import of_beams
 from .frame_motion import Moving, carried, moving_frames, taken, turning
 from .given_forces import added_by_sheave, given, rubbed, smooth_twin
 
@@ -163,11 +164,8 @@ class Seen:
     def bodies(self) -> float:
         """By how much tensions and drives miss what moves each part, over the forces' size."""
         pulls, sizes = self._on_points()
-        worst, still = (
-            0.0,
-            (np.zeros((len(self.motion.times), 3)), np.zeros(len(self.motion.times))),
-        )
-        pushed = {}
+        count, worst, pushed = len(self.motion.times), 0.0, {}
+        still = np.zeros((count, 3)), np.zeros(count)
         for part in self.rig.masses:
             second = self.world[part.name][2]
             own = [part.name, *(a.name for a in self.rig.anchors if a.frame == part.name)]
@@ -261,6 +259,8 @@ class Seen:
             for name, sign in ((first, 1.0), (second, -1.0)):
                 pulls[name] = pulls.get(name, 0.0) + sign * force
                 sizes[name] = sizes.get(name, 0.0) + np.abs(pull)
+        for name, force, size in of_beams(self.rig, self.world):
+            pulls[name], sizes[name] = pulls[name] + force, sizes[name] + size
         return pulls, sizes
 
     def off_rails(self) -> float:

@@ -12,7 +12,10 @@ from .random_parts import Dice, drives, frame
 
 
 def hook_crane(dice: Dice) -> Rig:
-    """A hook below a trolley, and below it one load or two, each on a link from the one above."""
+    """A hook below a trolley, and below it one load or two, each on a link from the one above.
+
+    Some links are rods with a mass.
+    """
     frames = () if dice.maybe(0.4) else (frame(dice),)
     owner = frames[0].name if frames else WORLD
     out = dice.length(0.5, 2.0)
@@ -21,7 +24,8 @@ def hook_crane(dice: Dice) -> Rig:
     for _ in names:
         heights.append((heights or [0.0])[-1] - dice.length(0.3, 2.0))
     links = tuple(
-        Link(f"sling_{k}", (above, below)) for k, (above, below) in enumerate(pairwise(names))
+        _heavy(dice, Link(f"sling_{k}", (above, below)), heights[k] - heights[k + 1], swings=True)
+        for k, (above, below) in enumerate(pairwise(names))
     )
     return Rig(
         name="hook_crane",
@@ -41,6 +45,19 @@ def hook_crane(dice: Dice) -> Rig:
             **{n: (out, 0.0, z) for n, z in zip(names, heights, strict=True)},
         },
     )
+
+
+def _heavy(dice: Dice, link: Link, length: float, swings: bool = False) -> Link:
+    """The link, or a rod in its place; one that `swings` has its lower end where it is flat."""
+    if dice.maybe(0.7):
+        return link
+    mass, share = dice.mass(), dice.rng.uniform(0.1, 0.9)
+    inertia = mass * length**2 * dice.rng.uniform(0.0, 0.2)
+    if swings:  # about its upper end, with the lower one as the centre of oscillation
+        inertia = mass * length**2 * share * (1.0 - share)
+    elif dice.maybe():
+        return replace(link, mass=mass)
+    return replace(link, mass=mass, centre=length * share, inertia=inertia)
 
 
 def pushed_crane(dice: Dice) -> Rig:
@@ -71,7 +88,33 @@ def pushed_crane(dice: Dice) -> Rig:
 
 def held_crane(dice: Dice) -> Rig:
     """A body of which some freedoms are not there: a beam in a plane, or a box on four ropes."""
-    return _spreader(dice) if dice.maybe(0.25) else _beam(dice)
+    if dice.maybe(0.25):
+        return _spreader(dice)
+    return _bar(dice) if dice.maybe(0.3) else _beam(dice)
+
+
+def _bar(dice: Dice) -> Rig:
+    """A beam that is a link with a mass, on two ropes from two trolleys on one rail."""
+    half, down = dice.length(0.3, 1.0), dice.length(0.5, 3.0)
+    wide = half * dice.rng.uniform(0.8, 1.5)
+    beam = replace(_heavy(dice, Link("beam", ("a", "b")), 2 * half), pushes=True)
+    return Rig(
+        name="bar_crane",
+        dimensions=2,
+        rails=(Rail("rail", (1.0, 0.0, 0.0)),),
+        masses=tuple(Trolley(n, dice.mass(), "rail") for n in ("left", "right"))
+        + tuple(Load(n, dice.mass()) for n in ("a", "b")),
+        ropes=(dice.rope("hoist_a", "left", "a"), dice.rope("hoist_b", "right", "b")),
+        links=(beam,),
+        drives=drives("left", "right", "hoist_a", "hoist_b"),
+        outputs=("a.x", "a.z", "b.z", "left.position"),
+        home={
+            "left": -wide,
+            "right": wide,
+            "a": (-half, 0.0, -down),
+            "b": (half, 0.0, -down),
+        },
+    )
 
 
 def _beam(dice: Dice) -> Rig:
