@@ -20,6 +20,7 @@ from mujoco.batch import Batch
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from .disturbances import Scenario
+from .gear_losses import gears_of
 
 FAINT = 1e-9
 """Regularisation of the split of friction among drives that rub on the same joint [N]: drives that
@@ -52,7 +53,7 @@ def _freedom(model: mujoco.MjModel, joint: str) -> int:
 
 
 class DryFriction:
-    """Coulomb and static friction of winches, trolleys and, if they are to rub, frames."""
+    """Coulomb and static friction of winches, trolleys and, if they are to rub, frames; gears."""
 
     def __init__(self, rig: Rig, model: mujoco.MjModel, batch: Batch, frames: bool) -> None:
         num, freedoms = batch.nsim, model.nv
@@ -64,6 +65,7 @@ class DryFriction:
         self._on_tendon = batch.expand("tendon_frictionloss")
         self._on_joint = batch.expand("dof_frictionloss")
         self._rates, self._speeds = batch.bind("ten_velocity"), batch.bind("qvel")
+        self._gears, self._ctrl = gears_of(rig, model), batch.bind("ctrl")
         self._described = (model.tendon_frictionloss.copy(), model.dof_frictionloss.copy())
         self._coulomb = (np.array(self._on_tendon), np.array(self._on_joint))
         self._surplus, self._falling = np.zeros((num, 1)), np.ones((num, 1))
@@ -92,7 +94,7 @@ class DryFriction:
     @property
     def falling(self) -> bool:
         """Whether some of it changes with speed, so that `follow` must be called."""
-        return bool(self._surplus.any())
+        return bool(self._gears) or bool(self._surplus.any())
 
     @property
     def memory(self) -> tuple[Array, ...]:
@@ -112,13 +114,21 @@ class DryFriction:
         self._falling[sim] = scenario.stribeck_velocity
 
     def follow(self) -> None:
-        """Bounds at the present speeds: static friction near rest, Coulomb's beyond."""
+        """Bounds at the present speeds: static friction near rest, Coulomb's beyond, and gears."""
         speeds = (self._rates, self._speeds)
         for bound, coulomb, speed in zip(
             (self._on_tendon, self._on_joint), self._coulomb, speeds, strict=True
         ):
             surplus = self._surplus * np.exp(-((speed / self._falling) ** 2))
             np.multiply(coulomb, 1.0 + surplus, bound)
+        for gear in self._gears:
+            inputs = self._ctrl[:, gear.drive]
+            if gear.tendon is not None:
+                lost = gear.lost(inputs, self._rates[:, gear.tendon])
+                self._on_tendon[:, gear.tendon] += lost
+            else:
+                lost = gear.lost(inputs, self._speeds[:, gear.freedom])
+                self._on_joint[:, gear.freedom] += lost
 
     def read(self) -> Array:
         """Force of friction along each rope, (n, ropes) [N]; negative while it is paid out.

@@ -11,9 +11,10 @@ T = 2 pi / (w sqrt(1 - z^2)):
 
     times     0,  T / 2,  T            shares     1, 2 k, k^2, over (1 + k)^2
 
-The mode is that of the rig with its PD, linearised at the goal of each plan, the least damped of
-those that swing.  With stiff drives it is the load's pendulum; a trolley that is light and softly
-held yields to its load and damps it.
+The mode is that of the rig with its PD, linearised at the goal of each plan with the viscous
+friction and drag that it is described with, the least damped of those that swing.  With stiff
+drives it is the load's pendulum; a trolley that is light and softly held yields to its load and
+damps it.
 
 Source: Singer and Seering, Preshaping command inputs to reduce system vibration, J. Dynamic
 Systems, Measurement, and Control 112, 1990.
@@ -26,6 +27,7 @@ import mujoco
 import numpy as np
 
 from ...models.errors import OptionError
+from ...models.mjcf.armature import tendon_jacobian
 from ...models.mjcf.rig_state import joint_state
 from ...models.rig.chain import apart
 from ...models.types import Array
@@ -82,6 +84,7 @@ def swing_mode(plant: Plant, plan: CranePlan, gains: Array) -> Mode | None:
     stiffness = _yielding(plant.model, joints[0], plan.goal_inputs * limits)
     stiffness += gradients.T @ ((gears * limits * springs)[:, None] * gradients)
     damping = gradients.T @ ((gears * limits * dampers)[:, None] * gradients)
+    damping += _rubbing(plant.model, joints[0])
     motion = np.block([
         [np.zeros((size, size)), np.eye(size)],
         [-np.linalg.solve(masses, stiffness), -np.linalg.solve(masses, damping)],
@@ -108,6 +111,17 @@ def _yielding(model: mujoco.MjModel, joints: Array, inputs: Array) -> Array:
     steps = STEP * np.eye(len(joints))
     columns = [(forces(joints - step) - forces(joints + step)) / (2.0 * STEP) for step in steps]
     return np.array(columns).T
+
+
+def _rubbing(model: mujoco.MjModel, joints: Array) -> Array:
+    """How viscous friction and drag that the rig is described with grow with rates, at joints."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = joints
+    mujoco.mj_fwdPosition(model, data)
+    along = tendon_jacobian(model, data)
+    tendons = model.tendon_damping.reshape(model.ntendon, -1)[:, 0]
+    joint = model.dof_damping.reshape(model.nv, -1)[:, 0]
+    return np.asarray(along.T @ (tendons[:, None] * along) + np.diag(joint))
 
 
 class ShaperLaw(Law):

@@ -12,6 +12,8 @@ planned ones, and w disturbances, a control period that begins at step k makes o
 with the outputs y minus the planned ones, and the joints q, the first half of z.  Disturbances are
 horizontal forces on all that hangs, one for each direction, and the Coulomb friction of winches,
 trolleys and frames, against the speeds that are planned: all over the weight of what hangs.
+Viscous friction and drag that a rig is described with are in A; its dry friction and the losses of
+its gears jump with the speed and are in none of them, but in the planned inputs.
 
 The columns are differences of whole control periods, simulated side by side in one batch, at knots
 along the plan; between knots they are interpolated.
@@ -24,6 +26,7 @@ import numpy as np
 from mujoco.batch import Batch
 
 from ...models.mjcf import rig_model
+from ...models.rig.idealised import without_jumps
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import NOTHING
@@ -81,11 +84,13 @@ class Lineariser:
         room: int = ROOM,
     ) -> None:
         self.rig, self.period, self.massless = rig, period, massless
+        # Where dry friction holds a part still no small push moves it: that is no linear model.
+        smooth = without_jumps(rig)
         self.stride = max(1, round(SPACING / period))
         substeps = SUBSTEPS if timestep is None else max(1, round(period / timestep))
         self._substeps = substeps
         self.model = model = rig_model.compile(
-            rig, timestep=period / substeps, visuals=False, massless=massless
+            smooth, timestep=period / substeps, visuals=False, massless=massless
         )
         # Slides and hinges only: joints are numbers, and so are their deviations.
         assert model.nq == model.nv

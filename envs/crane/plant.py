@@ -13,12 +13,14 @@ import numpy as np
 from ...models.mjcf.rig_state import State, coordinates, joint_state, points
 from ...models.mjcf.swinging import way
 from ...models.rig.chain import joint_names, weighed
+from ...models.rig.idealised import with_ideal_gears
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import NOT_FINITE, NOTHING, Ids
 from ..simulations import Simulations
 from .disturbances import Scenario
 from .friction_forces import DryFriction, ViscousFriction
+from .gear_losses import loses
 from .geometry import angle_joints, geometry_of, hangers, swing_bodies, turned
 from .link_forces import LinkForces
 from .moving_base import MovingBase
@@ -50,6 +52,8 @@ class Plant(Simulations[CranePlan, Scenario]):
         where ropes are constraints or hold beams.
     reasons
         For each column of `margins`, why.
+    simulated
+        The rig that MuJoCo knows, whose gears lose nothing.
     """
 
     stage = ACCELERATIONS
@@ -67,7 +71,7 @@ class Plant(Simulations[CranePlan, Scenario]):
         massless: float | None = None,
         nthread: int | None = None,
     ) -> None:
-        self.rig = rig
+        self.rig, self.simulated = rig, with_ideal_gears(rig)
         model = plant_model(rig, timestep, friction, rates, massless)
         super().__init__(model, num, len(rig.drives), substeps, nthread)
         self.home = np.array(self.model.key_qpos[0])
@@ -83,8 +87,9 @@ class Plant(Simulations[CranePlan, Scenario]):
         self._forces = RopeForces(rig, self.model, self.batch, self.geometry, self._spans, pulls)
         self._friction = None
         described = self.model.tendon_frictionloss.any(), self.model.dof_frictionloss.any()
-        if friction or any(described):
+        if friction or any(described) or loses(rig):
             frames = frame_friction or any(frame.friction.coulomb for frame in rig.frames)
+            frames = frames or loses(rig)
             self._friction = DryFriction(rig, self.model, self.batch, frames)
         self._viscous: ViscousFriction | None = None
         if self.model.tendon_damping.any() or self.model.dof_damping.any():

@@ -2,9 +2,11 @@
 
 import mujoco
 
-from ...models.mjcf import rig_model
+from ...models.mjcf import described_friction, rig_model
+from ...models.rig.idealised import with_ideal_gears
 from ...models.rig.rig import Rig
 from ..simulations import let_errors_show
+from .gear_losses import driven_name, loses
 from .link_forces import add_load_cells
 
 
@@ -23,12 +25,16 @@ def plant_model(
                 objname=part.name,
             )
         add_load_cells(scene, rig)
+        for drive in rig.drives:
+            if drive.efficiency != 1.0:
+                name = driven_name(rig.driven(drive))
+                described_friction.harden(scene.tendon(name) or scene.joint(name), timestep)
 
     return rig_model.compile(
-        rig,
+        with_ideal_gears(rig),  # what they lose is taken off at run time
         timestep=timestep,
         visuals=False,
-        friction=friction,
+        friction=friction or loses(rig),
         massless=massless,
         extend=extend,
     )

@@ -133,7 +133,7 @@ class CraneTask(LiveTask):
 
     def looks(self) -> mujoco.MjModel:
         """The model with everything that is drawn."""
-        return models.compile(self.rig, visuals=True, massless=self.massless)
+        return models.compile(self.plant.simulated, massless=self.massless)
 
     def _truth(self) -> dict[str, NDArray[Any]]:
         return {

@@ -51,9 +51,12 @@ class Losses:
 
     def delivered(self, inputs: Array, speeds: Array) -> Array:
         """What of the inputs moves the rig, all of shape (N, drives)."""
-        way = direction(speeds)
-        passed = inputs * self.efficiency ** (np.sign(inputs) * way)
-        return np.asarray(passed - self.arms * (self.coulomb * way + self.viscous * speeds))
+        rubbed = self.coulomb * direction(speeds) + self.viscous * speeds
+        return np.asarray(self.through_gears(inputs, speeds) - self.arms * rubbed)
+
+    def through_gears(self, inputs: Array, speeds: Array) -> Array:
+        """What gears pass on of inputs, before friction, all of shape (N, drives)."""
+        return np.asarray(inputs * self.efficiency ** (np.sign(inputs) * direction(speeds)))
 
     def smooth(self, inputs: Array, speeds: Array) -> Array:
         """The same inputs without what jumps: Coulomb friction and the gears' losses."""

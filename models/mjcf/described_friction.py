@@ -2,8 +2,16 @@
 
 Viscous friction is damping of a joint or tendon, exact with RK4.  Coulomb friction is MuJoCo's
 `frictionloss`, a constraint, made hard: with MuJoCo's own softness a crane that is driven past it
-open loop ends 10 mm from its goal, with these numbers 1 mm at 1 ms.  Drag of a load acts on its
-velocity in the world, a constant sum of joints unless something turns above it.
+open loop ends 10 mm from its goal, with these numbers 1 mm at 1 ms.
+
+Drag of a load acts on its velocity in the world.  Where nothing turns above it, that is a constant
+sum of joints.  Elsewhere two tendons for each axis damp it, from the load to points `FAR` away on
+either side: what the one pulls aside the other takes back, up to the square of the load's way over
+that distance.
+
+What a gear loses depends on the input, and a motor of MuJoCo loses nothing: such a rig is refused.
+Environments take it off (`flatrig.envs.crane.gear_losses`), with the model of
+`flatrig.models.rig.idealised.with_ideal_gears`.
 """
 
 from typing import Any
@@ -21,6 +29,8 @@ STEPS = 2.0
 """Time constant of Coulomb friction in time steps, MuJoCo's least."""
 IMPEDANCE = 0.9999
 """Share of the slip's acceleration that it removes."""
+FAR = 1e7
+"""Distance of the points from which drag is damped [m]."""
 
 
 def has_coulomb(rig: Rig) -> bool:
@@ -34,13 +44,13 @@ def add(scene: mujoco.MjSpec, rig: Rig) -> None:
     Raises
     ------
     ModelError
-        A drive's gear loses power, or a load with drag hangs below what turns.
+        A drive's gear loses power.
     """
     for drive in rig.drives:
         if drive.efficiency != 1.0:
             raise ModelError(
                 f"drive {drive.name}: efficiency is {drive.efficiency:g}, a motor of MuJoCo loses "
-                "nothing; simulate with efficiency 1, or describe the loss as friction"
+                "nothing; environments take it off (flatrig/Rig-v0), for MuJoCo alone say 1"
             )
     for part in rig.drivable:
         if part.friction != Friction():
@@ -58,23 +68,25 @@ def _rub(item: Any, friction: Friction, timestep: float) -> None:
     item.damping[0] = friction.viscous
     item.frictionloss = friction.coulomb
     if friction.coulomb:
-        item.solref_friction[0] = STEPS * timestep
-        item.solimp_friction[:2] = IMPEDANCE
+        harden(item, timestep)
+
+
+def harden(item: Any, timestep: float) -> None:
+    """Let dry friction of a joint or tendon hold as hard as MuJoCo can."""
+    item.solref_friction[0] = STEPS * timestep
+    item.solimp_friction[:2] = IMPEDANCE
 
 
 def _drag(scene: mujoco.MjSpec, rig: Rig, link: Body, load: Load) -> None:
-    """A damper for each axis along which a load moves in the world."""
+    """Dampers for each axis along which a load moves in the world."""
     joints = []
     above: Body | None = link
     while above is not None:
-        own = [scene.joint(name) for name in above.joints]
-        if any(joint.type != mujoco.mjtJoint.mjJNT_SLIDE for joint in own):
-            raise ModelError(
-                f"load {load.name}: drag is {load.drag:g} N s/m, which MuJoCo's dampers do not "
-                f"know where {above.name} turns or swings above; leave it out"
-            )
-        joints += own
+        joints += [scene.joint(name) for name in above.joints]
         above = above.parent
+    if any(joint.type != mujoco.mjtJoint.mjJNT_SLIDE for joint in joints):
+        _drag_from_afar(scene, rig, load)
+        return
     for axis in rig.axes:
         tendon = scene.add_tendon(name=f"{load.name}.drag.{axis}")
         tendon.damping[0] = load.drag
@@ -82,3 +94,16 @@ def _drag(scene: mujoco.MjSpec, rig: Rig, link: Body, load: Load) -> None:
             share = float(joint.axis["xyz".index(axis)])
             if share:
                 tendon.wrap_joint(joint.name, share)
+
+
+def _drag_from_afar(scene: mujoco.MjSpec, rig: Rig, load: Load) -> None:
+    for axis in rig.axes:
+        for side, way in (("ahead", FAR), ("behind", -FAR)):
+            name = f"far.{axis}.{side}"
+            if scene.site(name) is None:
+                place = [way * (letter == axis) for letter in "xyz"]
+                scene.worldbody.add_site(name=name, pos=place, group=3)
+            tendon = scene.add_tendon(name=f"{load.name}.drag.{axis}.{side}")
+            tendon.damping[0], tendon.group = 0.5 * load.drag, 3  # hidden: it leads far away
+            tendon.wrap_site(load.name)
+            tendon.wrap_site(name)

@@ -233,8 +233,9 @@ def _check_platforms(rig: Rig, platforms: list[Platform], above: Body | None) ->
 def weighed(rig: Rig) -> bool:
     """Whether tensions of links follow from the balance of what they hold alone.
 
-    A load cell tells them only where a load hangs on its link and nothing else.
+    A load cell tells them only where a load hangs on its link and nothing else holds it.
     """
     swung = {body.name for body in chain_of(rig) if body.swing is not None}
-    roped = {point for rope in rig.ropes for point in rope.path}
-    return bool(rig.links) and (bool(apart(rig)) or not swung.isdisjoint(roped))
+    other = {point for rope in rig.ropes for point in rope.path}
+    other |= {load.name for load in rig.loads if load.drag}
+    return bool(rig.links) and (bool(apart(rig)) or not swung.isdisjoint(other))

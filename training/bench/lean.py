@@ -12,7 +12,8 @@ contact, equality, friction loss, limit.
     on(model)          # those that are switched on
     idle(model)        # parts that it carries and nobody uses: none, in a headless scene
 
-Friction is the exception: its constraints are on without a row, to be set at run time.
+Friction is the exception: its constraints are on without a row, to be set at run time.  What gears
+lose is in no scene: it depends on inputs, and environments take it off.
 """
 
 import time
@@ -123,7 +124,8 @@ def idle(model: mujoco.MjModel) -> list[str]:
     held = [model.tendon(i).name for i in model.eq_obj1id]
     ways = {name.removesuffix(".stretch") for name in held}
     for i in range(model.ntendon):
-        acts = (model.tendon_armature, model.tendon_stiffness, model.tendon_limited)
+        acts = [model.tendon_armature, model.tendon_stiffness, model.tendon_limited]
+        acts.append(model.tendon_damping)
         name = model.tendon(i).name
         if i in driven or i in model.eq_obj1id or name in ways:
             continue

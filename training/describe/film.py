@@ -33,12 +33,13 @@ def main(command: options.Render) -> int:
         return status
     from ...models.looks import render
     from ...models.mjcf import rig_model
+    from ...models.rig.idealised import with_ideal_gears
     from ..simulate.open_loop import open_loop, stand_in
 
     run = open_loop(rig, from_move(move, rig), hold=REST)
     still = path.lower().endswith(".png")
     fps = (STILLS - 1) / move.duration if still else command.fps
-    model = rig_model.compile(rig, massless=stand_in(rig))
+    model = rig_model.compile(with_ideal_gears(rig), massless=stand_in(rig))
     images = render.frames(
         model, run.qpos, run.times, command.camera, command.width, command.height, fps
     )

@@ -8,10 +8,12 @@ import numpy as np
 
 from ...envs.crane.payloads import payloads
 from ...feedforward import Motion, Reference, solve
+from ...feedforward.exact.losses import losses_of
 from ...models import Rig, Ropes
 from ...models.mjcf import rig_model
 from ...models.mjcf.rig_state import points
 from ...models.mjcf.simulate import accelerations, run
+from ...models.rig.idealised import with_ideal_gears
 from ...models.types import Array
 
 STAND_IN = 1e-5
@@ -42,7 +44,9 @@ class OpenLoop:
 
     def tensions(self) -> Array:
         """Rope tensions in MuJoCo under the exact inputs of each instant [N], (K + 1, ropes)."""
-        inputs = self.motion.inputs
+        inputs, losses = self.motion.inputs, losses_of(self.motion.rig)
+        if losses is not None:
+            inputs = losses.through_gears(inputs, self.motion.drive_velocities)
         tensions = []
         for begin in range(0, len(self.times), AT_ONCE):
             part = slice(begin, begin + AT_ONCE)
@@ -88,7 +92,10 @@ def prepare(rig: Rig, reference: Reference, timestep: float, hold: float = 0.0) 
     """Solve a move for held inputs; parameters and errors as `open_loop`."""
     steps = round((reference.duration + hold) / timestep)
     times = np.arange(steps + 1, dtype=np.float64) * timestep
-    inputs = solve(rig, reference, times[:-1] + 0.5 * timestep).inputs
+    middles = solve(rig, reference, times[:-1] + 0.5 * timestep)
+    inputs, losses = middles.inputs, losses_of(rig)
+    if losses is not None:  # MuJoCo's motors lose nothing
+        inputs = losses.through_gears(inputs, middles.drive_velocities)
     return Prepared(times, solve(rig, reference, times), inputs)
 
 
@@ -101,6 +108,8 @@ def open_loop(
     ropes: str | Ropes = "rigid",
 ) -> OpenLoop:
     """Run the move, the inputs of each step taken at its middle and held.
+
+    What gears lose is taken off as planned speeds have it.
 
     Parameters
     ----------
@@ -123,7 +132,9 @@ def open_loop(
         The rig cannot follow the path, or MuJoCo cannot hold the rig.
     """
     prepared, mass = prepare(rig, reference, timestep, hold), massless or stand_in(rig)
-    model = rig_model.compile(rig, timestep=timestep, visuals=False, massless=mass, ropes=ropes)
+    model = rig_model.compile(
+        with_ideal_gears(rig), timestep=timestep, visuals=False, massless=mass, ropes=ropes
+    )
     return prepared.run(model)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...feedforward import Motion
 from ...models.friction import REST, Friction
+from ...models.rig.idealised import without_jumps
 from ...models.rig.rig import Drive, Rig, Rope
 from ...models.types import Array
 
@@ -43,26 +44,11 @@ def smooth_twin(motion: Motion) -> Motion:
 
     That is what MuJoCo's model has to the last digit: its own dry friction is a soft constraint.
     """
-    rig = motion.rig
-
-    def smooth(friction: Friction) -> Friction:
-        return Friction(viscous=friction.viscous)
-
-    drives = tuple(replace(drive, efficiency=1.0) for drive in rig.drives)
-    twin = replace(
-        rig,
-        frames=tuple(replace(part, friction=smooth(part.friction)) for part in rig.frames),
-        masses=(
-            *(replace(part, friction=smooth(part.friction)) for part in rig.trolleys),
-            *rig.hanging,
-        ),
-        ropes=tuple(replace(part, friction=smooth(part.friction)) for part in rig.ropes),
-        drives=drives,
-    )
+    rig, twin = motion.rig, without_jumps(motion.rig)
     if twin == rig:
         return motion
     forces, columns = given(motion)[0], []
-    for i, drive in enumerate(drives):
+    for i, drive in enumerate(twin.drives):
         viscous = rig.driven(drive).friction.viscous * motion.drive_velocities[:, i]
         columns.append((forces[:, i] + viscous) * _radius(rig, drive) / drive.gear)
     return replace(motion, rig=twin, inputs=np.stack(columns, axis=1))

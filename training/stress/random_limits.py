@@ -20,7 +20,6 @@ def limited(rig: Rig, dice: Dice) -> Rig:
     if not dice.maybe(SHARE):
         return rig
     driven = {drive.on for drive in rig.drives}
-    turns = any(frame.kind == "turning" for frame in rig.frames)
 
     def rubbing(part: Frame | Trolley | Rope) -> Friction:
         force, speed = rig.weight, math.sqrt(rig.gravity * dice.size)
@@ -33,16 +32,16 @@ def limited(rig: Rig, dice: Dice) -> Rig:
         part if part.given else replace(part, friction=rubbing(part)) for part in rig.frames
     )
     trolleys = tuple(replace(part, friction=rubbing(part)) for part in rig.trolleys)
-    loads = tuple(_dragged(rig, part, dice, not turns) for part in rig.loads)
+    loads = tuple(_dragged(rig, part, dice) for part in rig.loads)
     ropes = tuple(_ended(rig, replace(part, friction=rubbing(part)), dice) for part in rig.ropes)
     drives = tuple(_driven(rig, drive, dice) for drive in rig.drives)
     masses: tuple[Trolley | Load | Platform, ...] = (*trolleys, *loads, *rig.platforms)
     return replace(rig, frames=frames, masses=masses, ropes=ropes, drives=drives)
 
 
-def _dragged(rig: Rig, load: Load, dice: Dice, straight: bool) -> Load:
-    """With drag, where MuJoCo's model can have it, too."""
-    if not (straight and load.mass and not rig.links and dice.maybe(0.3)):
+def _dragged(rig: Rig, load: Load, dice: Dice) -> Load:
+    """With drag, unless it is a pulley without mass."""
+    if not (load.mass and dice.maybe(0.3)):
         return load
     speed = math.sqrt(rig.gravity * dice.size)
     return replace(load, drag=load.mass * rig.gravity / speed * dice.decades(1e-5, 1e-1))
