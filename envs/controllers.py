@@ -1,7 +1,7 @@
 """Controllers as wrappers: feedback, feedforward, and what is learned on top.
 
     env = Feedforward(PD(gym.make("flatrig/OverheadCrane-v0")))
-    env = Residual(env, fraction=0.2)       # a policy's action, a fifth of the limits
+    env = Residual(env)             # a policy's action, as much of the limits as ropes bear
 
 Each adds its share of the drives' limits to the action that comes from above and hands the sum
 down; only the environment clips.  All work on single and vector environments through the same
@@ -29,6 +29,9 @@ from ..models.values import bounded, reals, shown
 from .episodes import AnyTask
 from .gains import Gains, Track
 from .laws import AnyEnv, Law, laws_of, refuse_below, task_of, wrap
+
+USUAL = 0.2
+"""Fraction of the limits for what is learned, where ropes and contacts bear it."""
 
 
 class PDLaw(Law):
@@ -165,10 +168,18 @@ def Feedforward(env: AnyEnv) -> Any:
     return wrap(env, FeedforwardLaw(task, next(holding, None)))
 
 
-def Residual(env: AnyEnv, fraction: float = 0.2) -> Any:
+def Residual(env: AnyEnv, fraction: float | None = None) -> Any:
     """What is learned: the action, clipped to [-1, 1], times a fraction of the drives' limits.
 
     An action of zero leaves the controller below as it is, to the last bit.
+
+    Parameters
+    ----------
+    env
+        A crane or hand, single or vector, wrapped or not.
+    fraction
+        By default `USUAL`, or less where random actions would then make ropes slack or let an
+        object go, by the rig's or hand's plan (`Task.residual_share`).
 
     Raises
     ------
@@ -176,8 +187,10 @@ def Residual(env: AnyEnv, fraction: float = 0.2) -> Any:
         The fraction is not in (0, 1], `env` is neither a crane nor a hand, or a `Residual` stands
         below.
     """
-    task_of(env)
+    task = task_of(env)
     refuse_below(env, "Residual")
+    if fraction is None:
+        fraction = min(USUAL, task.residual_share())
     return wrap(env, ResidualLaw(bounded("fraction", fraction, above=0, most=1)), fraction=fraction)
 
 

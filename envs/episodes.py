@@ -76,7 +76,7 @@ class Task(Saving[PlanT, ScenarioT]):
         self.rows.look(self._steps)
         self.encoders.reset(ids, drawn, self.rows.parts["drives"])
         # No episode can be over before so many steps: spares looking at each of them.
-        self._countdown = int((self.rows.length - self._steps).min())
+        self._countdown = int((self.lengths - self._steps).min())
 
     def step(self, actions: ArrayLike, ids: Ids | None = None) -> Outcome:
         """Hold inputs over one control period.
@@ -116,7 +116,7 @@ class Task(Saving[PlanT, ScenarioT]):
             self.plans[sim] = plan
         self.rows.follow(ids, plans)
         self.rows.look(self._steps)
-        self._countdown = int((self.rows.length - self._steps).min())
+        self._countdown = int((self.lengths - self._steps).min())
 
     def _advance(self, actions: Array, ids: Ids | None) -> Array:
         """One control period of all simulations, or in the plant of some; the rewards."""
@@ -153,10 +153,11 @@ class Task(Saving[PlanT, ScenarioT]):
             return outcome
         stepped = np.zeros(self.num, bool)
         stepped[self.all if ids is None else ids] = True
+        lengths = self.lengths
         for sim in np.flatnonzero(stepped).tolist():
             reason = self.plant.why(sim)
             outcome.terminated[sim] = bool(reason)
-            if not reason and self._steps[sim] >= self.rows.length[sim]:
+            if not reason and self._steps[sim] >= lengths[sim]:
                 outcome.truncated[sim], reason = True, TIME
             if reason == NOT_FINITE:
                 self._clear(sim)

@@ -13,6 +13,9 @@ from ..models.errors import OptionError, did_you_mean
 from ..models.types import Array, Mask
 from ..models.values import bounded, reals, shown
 
+VIEW = ("width", "height", "camera")
+"""Options of pictures, see `flatrig.envs.rendering`."""
+
 NAMED = 3
 """Wrong actions that a message names."""
 
@@ -168,5 +171,5 @@ def check_task_options(task: Callable[..., Any], options: Mapping[str, Any], *mo
     OptionError
         One is unknown.
     """
-    known = [*keywords_of(task, but=("num",)), "render_mode", *more]
+    known = [*keywords_of(task, but=("num",)), "render_mode", *VIEW, *more]
     known_keywords("an environment has no option", options, known, OptionError)

@@ -2,14 +2,14 @@
 
 import subprocess
 import sys
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 from numpy.typing import NDArray
 
 from ..models.errors import OptionError
 from ..models.forks import may_draw, require_drawing_process
-from ..models.values import shown
+from ..models.values import bounded, shown
 
 MODES = ("rgb_array", "human")
 """Pictures as arrays, or a window."""
@@ -28,6 +28,33 @@ sys.exit(not glfw.create_window(8, 8, "trial", None, None))
 """
 
 
+class View(NamedTuple):
+    """What a picture shows, and how large it is; options of environments."""
+
+    width: int = 640
+    """[pixels]"""
+    height: int = 480
+    """[pixels]"""
+    camera: str = "overview"
+    """"overview" or "side"."""
+
+
+def view_of(options: dict[str, Any]) -> View:
+    """Take what belongs to a `View` out of options.
+
+    Raises
+    ------
+    OptionError
+        A size is not a whole number >= 1, or the camera no name.
+    """
+    view = View(**{name: options.pop(name) for name in View._fields if name in options})
+    for name in ("width", "height"):
+        bounded(name, getattr(view, name), least=1, whole=True, unit="pixels")
+    if not isinstance(view.camera, str):
+        raise OptionError(f"camera is {shown(view.camera)}, it must be the name of one")
+    return view
+
+
 class Camera:
     """Shows joints of a model, as an array ("rgb_array") or in a window ("human").
 
@@ -39,10 +66,10 @@ class Camera:
         There is no display for a window.
     """
 
-    def __init__(self, model: mujoco.MjModel, mode: str) -> None:
+    def __init__(self, model: mujoco.MjModel, mode: str, view: View) -> None:
         from ..models.looks import render  # only here: finding a backend for drawing takes a second
 
-        self._draw = render.draw
+        self._draw, self._view = render.draw, view
         self._model = model
         self._data = mujoco.MjData(self._model)
         self._window: Any = None
@@ -51,7 +78,7 @@ class Camera:
         if mode == "human":
             self._window = _window(self._model, self._data)
         else:
-            self._drawing = render.renderer(self._model)
+            self._drawing = render.renderer(self._model, int(view.width), int(view.height))
 
     def show(self, joints: NDArray[Any]) -> Any:
         """A picture (height, width, 3) of bytes, or None where there is a window.
@@ -64,7 +91,7 @@ class Camera:
         require_drawing_process()
         self._data.qpos[:] = joints
         if self._window is None:
-            return self._draw(self._drawing, self._model, self._data)
+            return self._draw(self._drawing, self._model, self._data, self._view.camera)
         mujoco.mj_fwdPosition(self._model, self._data)
         self._window.sync()
         return None

@@ -141,7 +141,7 @@ class Saving(Parts[PlanT, ScenarioT]):
             self.rows.put_before(sim, state.earlier)
         self._new.difference_update(ids.tolist())
         self.rows.look(self._steps)
-        self._countdown = int((self.rows.length - self._steps).min())
+        self._countdown = int((self.lengths - self._steps).min())
 
     def _made(self) -> dict[str, object]:
         """What a simulation must have in common with others that can go on from its states."""

@@ -7,12 +7,14 @@ from typing import Any, Generic, TypeVar
 
 import gymnasium as gym
 import mujoco
+from gymnasium.envs.registration import EnvSpec
 from numpy.typing import ArrayLike
 
 from ..models.types import Array
 from .episodes import AnyTask
 from .option_checks import actions_of, check_alone, check_options, seed_of
-from .rendering import MODES, Camera, check_mode
+from .plain_specs import plain_spec
+from .rendering import MODES, Camera, View, check_mode
 from .spaces import action_space, observation_space
 from .states import EpisodeState
 
@@ -25,6 +27,7 @@ class TaskFace(Generic[TaskT]):
     task: TaskT
     """The simulations."""
     metadata: dict[str, Any]
+    _spec: EnvSpec | None = None
     render_mode: str | None
 
     made_with: Mapping[str, Any]
@@ -41,13 +44,28 @@ class TaskFace(Generic[TaskT]):
 
     def _kept(self) -> dict[str, Any]:
         """What a copy has beside its options: its episodes, and what later ones are drawn by."""
-        names = ("spec", "_np_random", "_np_random_seed", "_generators")
+        names = ("_spec", "_np_random", "_np_random_seed", "_generators")
         own = {name: value for name, value in vars(self).items() if name in names}
         return {**own, "states": {sim: self.task.save(sim) for sim in self.task.begun}}
 
-    def _show(self, task: TaskT, render_mode: str | None, modes: tuple[str, ...]) -> None:
+    @property
+    def spec(self) -> EnvSpec | None:
+        """What makes the same environment again, of plain values, see `flatrig.envs.plain_specs`.
+
+        Its `max_episode_steps` is the length of episodes where all are as long.
+        """
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        fixed = self.task.planner.fixed
+        self._spec = plain_spec(spec, None if fixed is None else fixed.steps)
+
+    def _show(
+        self, task: TaskT, render_mode: str | None, modes: tuple[str, ...], view: View
+    ) -> None:
         """Take a task, and check how it is to be drawn."""
-        self.task = task
+        self.task, self._view = task, view
         self.render_mode = check_mode(render_mode, modes)
         self.metadata = {**self.metadata, "render_fps": round(1.0 / task.period)}
         self._camera: Camera | None = None
@@ -85,7 +103,7 @@ class TaskFace(Generic[TaskT]):
         if self.render_mode is None:
             return None
         if self._camera is None:
-            self._camera = Camera(self.task.looks(), self.render_mode)
+            self._camera = Camera(self.task.looks(), self.render_mode, self._view)
         return [self._camera.show(joints) for joints in self.task.plant.qpos]
 
     def _close_camera(self) -> None:
@@ -112,8 +130,10 @@ class TaskEnv(TaskFace[TaskT], gym.Env[Any, Any]):
 
     metadata = {"render_modes": list(MODES), "render_fps": 50}  # noqa: RUF012 (Gymnasium's)
 
-    def __init__(self, task: TaskT, render_mode: str | None = None) -> None:
-        self._show(task, render_mode, MODES)
+    def __init__(
+        self, task: TaskT, render_mode: str | None = None, view: View | None = None
+    ) -> None:
+        self._show(task, render_mode, MODES, view or View())
         self.observation_space = observation_space(task.observation_names)
         self.action_space = action_space(task.action_names)
         self._expected = (len(task.action_names),), task.action_names

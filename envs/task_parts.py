@@ -60,18 +60,22 @@ class Parts(ABC, Generic[PlanT, ScenarioT]):
     """The plans' rows at the present steps."""
     encoders: Encoders
     """What is measured."""
+    _most: int | None
     over: Mask
     """Whose episodes are over and have not begun anew, shape (n,)."""
 
     def _prepare(
         self, num: int, sensors: str, rate: float, timestep: float, hold: float,
-        nthread: int | None,
+        most: int | None, nthread: int | None,
     ) -> int:  # fmt: skip
         """Check and keep the options that all tasks share; the substeps of a control period."""
         bounded("number of simulations", num, least=1, whole=True)
         bounded("hold", hold, least=0, unit="s")
         if nthread is not None:
             bounded("nthread", nthread, least=1, whole=True)
+        if most is not None:
+            most = int(bounded("max_episode_steps", most, least=1, whole=True))
+        self._most = most
         self.num, self.sensors = int(num), sensors_of(sensors, self.sensor_sets)
         self.all = np.arange(self.num, dtype=np.int32)
         substeps = substeps_of(rate, timestep)
@@ -113,6 +117,12 @@ class Parts(ABC, Generic[PlanT, ScenarioT]):
         return self._steps
 
     @property
+    def lengths(self) -> Steps:
+        """After how many steps each simulation's episode is truncated, shape (n,)."""
+        planned = self.rows.length
+        return planned if self._most is None else np.minimum(planned, self._most)
+
+    @property
     def commands(self) -> Array:
         """What was asked of the drives in the last step, over their limits, (n, drives), live."""
         return self._commands.last
@@ -124,6 +134,10 @@ class Parts(ABC, Generic[PlanT, ScenarioT]):
     @abstractmethod
     def gains(self, track: Track = "moving") -> Gains:
         """Gains of a PD controller for this task."""
+
+    @abstractmethod
+    def residual_share(self) -> float:
+        """Largest share of the limits that a random residual may take along the plan."""
 
     @abstractmethod
     def looks(self) -> mujoco.MjModel:

@@ -17,6 +17,7 @@ from ..models.values import shown
 from .common import Ids
 from .infos import with_masks
 from .option_checks import check_alone, check_options, mode_of, seed_of
+from .rendering import View
 from .spaces import action_space, observation_space
 from .states import EpisodeState
 from .task_env import TaskFace, TaskT
@@ -53,10 +54,11 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
         task: TaskT,
         render_mode: str | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        view: View | None = None,
     ) -> None:
         self.autoreset_mode = mode_of(autoreset_mode)
         """When the next episode begins."""
-        self._show(task, render_mode, ("rgb_array",))
+        self._show(task, render_mode, ("rgb_array",), view or View())
         self.metadata["autoreset_mode"] = self.autoreset_mode
         self.num_envs = num_envs = task.num
         self.single_observation_space = observation_space(task.observation_names)

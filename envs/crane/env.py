@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..common import Ids
 from ..option_checks import check_task_options
+from ..rendering import view_of
 from ..task_env import TaskEnv
 from ..task_vector_env import TaskVectorEnv
 from .operated import crane_task
@@ -16,7 +17,7 @@ from .task import CraneTask
 
 
 class CraneEnv(TaskEnv[CraneTask]):
-    """A crane that is to follow a reference; `options` are those of `CraneTask`.
+    """A crane that is to follow a reference; `options` are those of `CraneTask` and of `View`.
 
     `reset(options={"scenario": Scenario(...), "reference": ...})` prescribes what would be drawn.
     `info` tells the truth: "load", "reference", "tension", "input", and what
@@ -29,7 +30,8 @@ class CraneEnv(TaskEnv[CraneTask]):
     def __init__(self, rig: Any = None, *, render_mode: str | None = None, **options: Any) -> None:
         check_task_options(CraneTask, options)
         self.made_with = {"rig": rig, "render_mode": render_mode, **options}
-        super().__init__(crane_task(rig, 1, **options), render_mode)
+        view = view_of(options)
+        super().__init__(crane_task(rig, 1, **options), render_mode, view)
 
     def redirect(self, reference: object) -> None:
         """Give the episode another reference from now on, see `CraneTask.redirect`."""
@@ -41,7 +43,7 @@ class CraneEnv(TaskEnv[CraneTask]):
 
 
 class CraneVectorEnv(TaskVectorEnv[CraneTask]):
-    """n cranes that are to follow references; `options` are those of `CraneTask`.
+    """n cranes that are to follow references; `options` are those of `CraneTask` and of `View`.
 
     Episodes begin and end as those of `flatrig.envs.task_vector_env.TaskVectorEnv`.
     """
@@ -60,7 +62,8 @@ class CraneVectorEnv(TaskVectorEnv[CraneTask]):
         check_task_options(CraneTask, options, "autoreset_mode")
         own = {"num_envs": num_envs, "render_mode": render_mode, "autoreset_mode": autoreset_mode}
         self.made_with = {"rig": rig, **own, **options}
-        super().__init__(crane_task(rig, num_envs, **options), render_mode, autoreset_mode)
+        view = view_of(options)
+        super().__init__(crane_task(rig, num_envs, **options), render_mode, autoreset_mode, view)
 
     def redirect(self, references: Sequence[object], ids: Ids | None = None) -> None:
         """Give episodes other references from now on, see `CraneTask.redirect`."""

@@ -260,6 +260,8 @@ def rig_and_move(rig: object) -> tuple[Rig, Move | None]:
         raise OptionError(
             "an environment needs a rig; give `rig`, a Rig, a name of the catalogue or a TOML file"
         )
+    if isinstance(rig, str) and "\n" in rig:
+        return models.loads(rig)
     if isinstance(rig, PathLike) or (
         isinstance(rig, str) and (rig.endswith(".toml") or sep in rig)
     ):

@@ -10,6 +10,7 @@ controllers of `flatrig.envs.controllers` read what encoders measure and what th
 A simulation's episode depends on its own generator, scenario and actions only, to the last bit.
 """
 
+from contextlib import suppress
 from os import PathLike
 from typing import Any
 
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import models
+from ...models.errors import FlatrigError
 from ...models.rig.rig import Rig
 from ..acting import Acting
 from ..gains import Gains, Track
@@ -34,6 +36,7 @@ from .outputs import levers
 from .plan import layout_of
 from .plant import Plant
 from .references import CranePlanner, ReferenceOption, rig_and_move
+from .residual_share import taut_share
 from .tuning import gains_along, gains_of
 
 
@@ -43,7 +46,7 @@ class CraneTask(LiveTask):
     Parameters
     ----------
     rig
-        The description, the name of a rig of the catalogue, or the path of a TOML file.
+        The description, the name of a rig of the catalogue, the path of a TOML file, or its text.
     reference
         A `Reference` or a `Move` for all episodes; a function that draws one from a random
         generator; "random" for moves between random points; "operator" for what the actions say,
@@ -62,6 +65,8 @@ class CraneTask(LiveTask):
         `Disturbances`, "standard", a dictionary of ranges, or None for a plant like the rig.
     hold
         How long an episode lasts after arrival [s].
+    max_episode_steps
+        Steps after which it is truncated anyway.
     massless
         Stands in for the mass of free pulleys that have none [kg], see `flatrig.models.compile`.
     nthread
@@ -88,12 +93,13 @@ class CraneTask(LiveTask):
         timestep: float = 2e-3,
         disturbances: Disturbances | dict[str, Any] | str | None = None,
         hold: float = 4.0,
+        max_episode_steps: int | None = None,
         massless: float | None = None,
         nthread: int | None = None,
     ) -> None:
         self.rig, move = rig_and_move(rig)
         self.massless = massless
-        substeps = self._prepare(num, sensors, rate, timestep, hold, nthread)
+        substeps = self._prepare(num, sensors, rate, timestep, hold, max_episode_steps, nthread)
         self.disturbances = Disturbances.of(disturbances, self.rig)
         self.limits = np.array([drive.largest for drive in self.rig.drives])
         self.planner = CranePlanner(self.rig, reference, self.period, hold, move)
@@ -125,6 +131,14 @@ class CraneTask(LiveTask):
         if track == "set point":
             return gains
         return gains._replace(schedule=AlongPlans(self, lambda plan: gains_along(self.plant, plan)))
+
+    def residual_share(self) -> float:
+        """Largest share of the limits that leaves ropes taut, see `residual_share`."""
+        plan = self.planner.fixed
+        if plan is None:
+            with suppress(FlatrigError):  # a rig of one's own may have no move
+                plan = self.planner.plan(self.planner.default())
+        return taut_share(self.plant, plan, self.limits)
 
     def _made(self) -> dict[str, object]:
         friction = self.disturbances.friction, self.disturbances.frame_friction[1] > 0

@@ -10,13 +10,14 @@ from typing import Any
 from gymnasium.vector import AutoresetMode
 
 from ..option_checks import check_task_options
+from ..rendering import view_of
 from ..task_env import TaskEnv
 from ..task_vector_env import TaskVectorEnv
 from .task import HandTask
 
 
 class HandEnv(TaskEnv[HandTask]):
-    """A hand that is to bring its object to a pose; `options` are those of `HandTask`.
+    """A hand that is to bring its object to a pose; `options`: of `HandTask` and of `View`.
 
     `info` tells the truth: "object", "rotation", "reference", "reference_rotation", "distance",
     "turned", "touching", "input", and what `flatrig.envs.infos` says.
@@ -25,7 +26,8 @@ class HandEnv(TaskEnv[HandTask]):
     def __init__(self, hand: Any = None, *, render_mode: str | None = None, **options: Any) -> None:
         check_task_options(HandTask, options)
         self.made_with = {"hand": hand, "render_mode": render_mode, **options}
-        super().__init__(HandTask(hand, num=1, **options), render_mode)
+        view = view_of(options)
+        super().__init__(HandTask(hand, num=1, **options), render_mode, view)
 
 
 class HandVectorEnv(TaskVectorEnv[HandTask]):
@@ -48,4 +50,5 @@ class HandVectorEnv(TaskVectorEnv[HandTask]):
         check_task_options(HandTask, options, "autoreset_mode")
         own = {"num_envs": num_envs, "render_mode": render_mode, "autoreset_mode": autoreset_mode}
         self.made_with = {"hand": hand, **own, **options}
-        super().__init__(HandTask(hand, num=num_envs, **options), render_mode, autoreset_mode)
+        view = view_of(options)
+        super().__init__(HandTask(hand, num=num_envs, **options), render_mode, autoreset_mode, view)

@@ -34,6 +34,8 @@ from .plant import HandPlant
 
 NEAR_SHARE = 0.05
 """Distance that halves the reward, over the object's radius."""
+HELD = 0.5
+"""Share of a finger's normal force that random residuals leave."""
 SERVO = 0.2
 """Frequency of the critically damped PD controller times the control period."""
 
@@ -61,6 +63,8 @@ class HandTask(Task[HandPlan, HandScenario]):
         `HandDisturbances`, "standard", a dictionary of ranges, or None for a plant like the hand.
     hold
         How long an episode lasts after arrival [s].
+    max_episode_steps
+        Steps after which it is truncated anyway.
     nthread
         Threads of the simulation; results do not depend on it.
 
@@ -85,10 +89,11 @@ class HandTask(Task[HandPlan, HandScenario]):
         timestep: float = RECOMMENDED.timestep,
         disturbances: HandDisturbances | dict[str, Any] | str | None = None,
         hold: float = 1.0,
+        max_episode_steps: int | None = None,
         nthread: int | None = None,
     ) -> None:
         self.hand = hand = as_hand(hand)
-        substeps = self._prepare(num, sensors, rate, timestep, hold, nthread)
+        substeps = self._prepare(num, sensors, rate, timestep, hold, max_episode_steps, nthread)
         self.disturbances = HandDisturbances.of(disturbances, hand)
         self.limits, self.inertias = _motors(hand)
         self.planner = HandPlanner(hand, reference, self.period, hold)
@@ -100,6 +105,15 @@ class HandTask(Task[HandPlan, HandScenario]):
         band = whole_band(len(self.limits))
         near = hand.held.radius * NEAR_SHARE / NEAR
         self._start(Acting(drive_names(hand)), hand_layout(hand), levers, near, band)
+
+    def residual_share(self) -> float:
+        """Largest share of the limits that leaves `HELD` of what fingers press at the start."""
+        plan = self.planner.fixed or self.planner.plan(self.planner.default())
+        most = np.inf
+        for finger, force in zip(self.hand.fingers, plan.start.normal_forces, strict=True):
+            along = np.abs(np.array(finger.slides) @ finger.contact).sum() * finger.force_limit
+            most = min(most, float(force / along)) if along > 0 else most
+        return (1.0 - HELD) * most
 
     def _made(self) -> dict[str, object]:
         return {"hand": self.hand, **super()._made()}

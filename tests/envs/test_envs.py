@@ -410,6 +410,30 @@ def test_pictures():
     env.close()
 
 
+def test_pictures_of_a_size_and_from_the_side():
+    env = make(render_mode="rgb_array", width=64, height=48, camera="side")
+    vector = gym.make_vec(OVERHEAD, num_envs=2, render_mode="rgb_array", width=64, height=48)
+    for one in (env, vector):
+        one.reset(seed=0)
+    try:
+        aside = env.render()
+    except models.ModelError as error:
+        pytest.skip(str(error))
+    ahead = vector.render()
+    assert aside.shape == ahead[1].shape == (48, 64, 3)
+    assert not np.array_equal(aside, ahead[0])
+    unknown = make(render_mode="rgb_array", camera="above")
+    unknown.reset(seed=0)
+    with pytest.raises(models.ModelError, match="no camera 'above', it has overview, side"):
+        unknown.render()
+    for wrong, message in (
+        ({"width": 0}, "width is 0"), ({"height": 1.5}, "height is 1.5"),
+        ({"camera": 3}, "camera is 3"), ({"heigth": 5}, "did you mean height"),
+    ):  # fmt: skip
+        with pytest.raises(models.OptionError, match=message):
+            make(**wrong)
+
+
 def test_without_a_render_mode_there_is_no_picture():
     env = make()
     env.reset(seed=0)
