@@ -135,6 +135,25 @@ class Coordinates:
         return matrices[:, :-1, :-1], gradient, pivot
 
     @cached_property
+    def own(self) -> Array | None:
+        """Rows of q that the coordinates of a base that moves as given have for themselves, 1 or 0.
+
+        Shape (n, k); all rows for other coordinates, None where nothing moves as given.
+        """
+        e = self.equations
+        given = [frame for frame in e.rig.frames if frame.given]
+        if not given or self.kind == "redundant":
+            return None
+        rows = np.ones((len(e.names), len(self.names)))
+        turning = {name: (cos, sin) for name, cos, sin in e.turning}
+        for frame in given:
+            mine = turning.get(frame.coordinate) or (e.names.index(frame.coordinate),)
+            column = self.names.index(frame.coordinate)
+            rows[:, column] = 0.0
+            rows[list(mine), column] = 1.0
+        return rows
+
+    @cached_property
     def _matrices(self) -> Array:
         """Matrices S of the eliminated constraints."""
         return self.equations.constraints[list(self.eliminated)]

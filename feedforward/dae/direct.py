@@ -14,7 +14,7 @@ import numpy as np
 from ...models.types import Array
 from ..exact.problem import Problem
 from .coordinates import Kind, coordinates_of
-from .formulation import Evaluated, unknown_names
+from .formulation import Evaluated, Instant, unknown_names
 from .mechanics import Forces, Mechanics
 
 
@@ -74,6 +74,15 @@ class Direct:
         jacobian[0, k : -len(servo), :k] = mechanics.constraint_slope(forces)
         jacobian[0, -len(servo) :, :k] = servo
         return Evaluated(residual, jacobian)
+
+    def moving(self, instant: Instant) -> tuple[Array, Array, Array]:
+        """Coordinates, multipliers and inputs; rates and accelerations of the first."""
+        rows = list(self.mechanics.coordinates.multipliers)
+        rest = np.concatenate((instant.multipliers[rows], instant.inputs))
+        none = np.zeros_like(rest)
+        parts = (instant.place, rest), (instant.rate, none), (instant.acceleration, none)
+        z, zd, zdd = (np.concatenate(part) for part in parts)
+        return z, zd, zdd
 
     def rates(self, z: Array, zd: Array, zdd: Array) -> tuple[Array, Array]:
         """Rates and accelerations of the coordinates."""

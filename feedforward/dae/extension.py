@@ -22,7 +22,7 @@ from scipy.linalg import qr
 
 from ...models.types import Array
 from .direct import Direct
-from .formulation import Evaluated
+from .formulation import Evaluated, Instant
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +72,13 @@ class Extension(Direct):
             jacobian[0, :, rows] = jacobian[order][:, self.replaced]
             jacobian[order][:, self.replaced] = 0.0
         return Evaluated(residual, jacobian)
+
+    def moving(self, instant: Instant) -> tuple[Array, Array, Array]:
+        """The same, then the dummies."""
+        z, zd, zdd = super().moving(instant)
+        dummies = instant.rate[self.replaced], instant.acceleration[self.replaced]
+        none = np.zeros(2 * len(self.replaced))
+        return np.concatenate((z, *dummies)), np.append(zd, none), np.append(zdd, none)
 
     def rates(self, z: Array, zd: Array, zdd: Array) -> tuple[Array, Array]:
         """Rates and accelerations of the coordinates, the dummies among them."""

@@ -26,6 +26,23 @@ class Evaluated(NamedTuple):
     """Derivatives dF/dz, dF/dz', dF/dz'', shape (3, N, N), if asked for."""
 
 
+class Instant(NamedTuple):
+    """A rig at one instant of its exact motion."""
+
+    place: Array
+    """Coordinates x, shape (k,)."""
+    rate: Array
+    """Their rates."""
+    acceleration: Array
+    """Their second derivatives."""
+    multipliers: Array
+    """Of all constraints, shape (m,)."""
+    inputs: Array
+    """Shape (b,)."""
+    derivatives: tuple[Array, ...]
+    """Each unknown of the problem with as many derivatives as are known."""
+
+
 class Formulation(Protocol):
     """A system of N equations in N unknowns z."""
 
@@ -47,6 +64,9 @@ class Formulation(Protocol):
 
     def evaluate(self, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool) -> Evaluated:
         """The equations at z, z', z'' (N,) and prescribed values (derivatives + 1, a)."""
+
+    def moving(self, instant: Instant) -> tuple[Array, Array, Array]:
+        """The unknowns z of a rig in motion with two derivatives, as far as they mean anything."""
 
     def rates(self, z: Array, zd: Array, zdd: Array) -> tuple[Array, Array]:
         """Rates x' and accelerations x'' of the coordinates, each (k,)."""

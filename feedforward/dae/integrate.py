@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...models.errors import OptionError, did_you_mean
-from ...models.rig.given import refuse_given
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ...models.values import as_number
@@ -18,7 +17,7 @@ from .newton import NO_NUMBER, Newton
 from .result import Failure, Integration, motion_of
 from .schemes import SCHEMES, Scheme, State, Stepped
 from .schemes import scheme as scheme_of
-from .start import at_rest
+from .start import at_rest, states_before
 
 MOST_STEPS = 1_000_000
 """Most steps of one integration."""
@@ -48,7 +47,7 @@ def integrate(
     rig
         A flat rig.
     reference
-        Path of its outputs, from rest.
+        Path of its outputs, from rest but for a base that moves as given.
     step
         Length of the steps [s]; with a tolerance of the first one.
     formulation
@@ -79,9 +78,8 @@ def integrate(
     """
     equations, method = formulation_of(rig, formulation), scheme_of(scheme)
     _check(rig, reference, step, tolerance, method)
-    start = at_rest(equations, reference)
-    rest = State(start, np.zeros_like(start), np.zeros_like(start))
-    stepper = _Stepper(equations, method, reference, rest)
+    past = _past(equations, reference, float(step), max(method.memory, 1))
+    stepper = _Stepper(equations, method, reference, past)
     if tolerance is None:
         times, states, failure = stepper.constant(float(step))
     else:
@@ -102,7 +100,6 @@ def _check(
 ) -> None:
     """Refuse what `integrate` refuses of its options."""
     accept_columns(rig, reference)
-    refuse_given(rig.name, rig.frames, "no formulation steps through that; `solve` is exact")
     least = reference.duration / MOST_STEPS
     if not least <= as_number(step) < math.inf:
         raise OptionError(f"step is {step!r} s, it must be a number >= {least:g} s")
@@ -117,26 +114,35 @@ def _check(
         )
 
 
+def _past(equations: Formulation, reference: Reference, h: float, count: int) -> list[State]:
+    """States before the first step, the last one at the start of the path."""
+    rig = equations.mechanics.coordinates.problem.rig
+    moves = reference.derivatives([0.0], 1)[1].any()
+    if moves and any(frame.given for frame in rig.frames):
+        return states_before(equations, reference, h, count)
+    start = at_rest(equations, reference)
+    return [State(start, np.zeros_like(start), np.zeros_like(start))] * count
+
+
 Run = tuple[list[float], list[State], Failure | None]
 """Times, the states there, and why the run ended early."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Stepper:
-    """A scheme that steps through a formulation along a reference, from rest."""
+    """A scheme that steps through a formulation along a reference, from its past."""
 
     equations: Formulation
     method: Scheme
     reference: Reference
-    rest: State
+    past: list[State]
     newton: Newton = field(default_factory=Newton)
 
     def constant(self, h: float) -> Run:
         """Steps of the same length h [s]."""
         # A step that ends within rounding of the end of the path is the last one.
         count = math.ceil(self.reference.duration / h - 1e-9)
-        times, states = [0.0], [self.rest]
-        past = [self.rest] * self.method.memory
+        times, states, past = [0.0], self.past[-1:], self.past
         for first in range(0, count, CHUNK):
             steps = np.arange(first, min(first + CHUNK, count))
             instants = h * (steps[:, None] + np.array(self.method.nodes))
@@ -153,7 +159,7 @@ class _Stepper:
 
     def controlled(self, h: float, tolerance: float) -> Run:
         """Steps as long as the tolerance allows, the first one h [s]."""
-        times, states = [0.0], [self.rest]
+        times, states = [0.0], self.past[-1:]
         nodes, end, grow = np.array(self.method.nodes), self.reference.duration, GROW
         while times[-1] < end * (1.0 - 1e-12):
             now = times[-1]
@@ -190,7 +196,7 @@ class _Stepper:
         stepped = self.method.step(self.equations, self.newton, past, given, h)
         if stepped is None:
             return None
-        bound = FARTHEST * (1.0 + float(np.abs(self._places(self.rest)).max()))
+        bound = FARTHEST * (1.0 + float(np.abs(self._places(self.past[-1])).max()))
         state = stepped.state
         if np.abs(self._places(state)).max() < bound and np.isfinite(np.array(state)).all():
             return stepped

@@ -8,6 +8,10 @@ With q = phi(x), P = d phi and the equations of motion in polynomial coordinates
 
 (Y 4.11, 5.33, 5.113): one set of generated equations and a null-space reduction, no second one
 written by hand.
+
+Of a base that moves as given nothing is reduced: its own equations, input = acceleration, take no
+part of what it carries.  P^T is then V^T with the columns of its coordinates cut down to their own
+rows, and of G^T there are left those that push.
 """
 
 from dataclasses import dataclass
@@ -28,6 +32,10 @@ class Forces(NamedTuple):
     """Sum M q'' + D q' - f + G^T multipliers - (B + B'q) u, shape (n,)."""
     gradient: Array
     """Gradients G of all constraints, shape (m, n)."""
+    push: Array
+    """What a unit of each multiplier pushes by, shape (m, n): G, but for what moves as given."""
+    across: Array
+    """Transposed directions V of the equations, shape (k, n): P^T, but for what moves as given."""
 
 
 class Slopes(NamedTuple):
@@ -73,12 +81,15 @@ class Mechanics:
         unbalanced = inertia - e.force - self._input(place.q) @ inputs
         if e.damping is not None:
             unbalanced += e.damping @ (place.slope @ rate)
-        unbalanced += multipliers @ gradient[list(self.coordinates.multipliers)]
-        return Forces(place, unbalanced, gradient)
+        push = gradient if e.pushed is None else gradient * e.pushed
+        unbalanced += multipliers @ push[list(self.coordinates.multipliers)]
+        own = self.coordinates.own
+        across = place.slope.T if own is None else (place.slope * own).T
+        return Forces(place, unbalanced, gradient, push, across)
 
     def motion(self, forces: Forces) -> Array:
         """Residual of the reduced equations of motion, shape (k,)."""
-        return forces.place.slope.T @ forces.unbalanced
+        return forces.across @ forces.unbalanced
 
     def constraints(self, forces: Forces) -> Array:
         """Residual of the constraints that are left."""
@@ -94,16 +105,20 @@ class Mechanics:
         e = self.coordinates.equations
         x, multipliers, inputs = self.split(z)
         rows = list(self.coordinates.multipliers)
-        place = forces.place
-        stiffness = np.tensordot(multipliers, e.constraints[rows, :-1, :-1], 1)
+        place, own = forces.place, self.coordinates.own
+        hessians = e.constraints[rows, :-1, :-1]
+        if e.pushed is not None:
+            hessians = hessians * e.pushed[rows][..., None]
+        stiffness = np.tensordot(multipliers, hessians, 1)
         stiffness -= np.einsum("iaj,a->ij", e.input_linear, inputs)
-        across = place.slope.T
+        across = forces.across
         position = across @ stiffness @ place.slope
         turning = np.zeros_like(position)
         if place.bend is not None:
             moved = place.bend @ acceleration + self.coordinates.third(place, x, rate)
             position += across @ e.mass @ moved
-            bend = place.bend.reshape(len(place.q), -1)
+            bend = place.bend if own is None else place.bend * own[..., None]
+            bend = bend.reshape(len(place.q), -1)
             position += (forces.unbalanced @ bend).reshape(position.shape)
             turning = 2.0 * across @ e.mass @ (place.bend @ rate)
         if e.damping is not None:
@@ -114,7 +129,7 @@ class Mechanics:
             position=position,
             rate=turning,
             acceleration=across @ e.mass @ place.slope,
-            multipliers=across @ forces.gradient[rows].T,
+            multipliers=across @ forces.push[rows].T,
             inputs=-across @ self._input(place.q),
         )
 

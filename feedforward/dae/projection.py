@@ -52,7 +52,7 @@ def free(
     k, *_ = mechanics.sizes
     slope = forces.place.slope
     weighted = mechanics.coordinates.equations.mass @ slope
-    mass = slope.T @ weighted
+    mass = forces.across @ weighted
     # What no mass resists keeps its acceleration.
     inverse = np.linalg.pinv(mass, RANK) if forces.place.bend is None else np.linalg.inv(mass)
     change = -inverse @ mechanics.motion(forces)
@@ -88,7 +88,9 @@ class Projection(Direct):
         coordinates = equations.mechanics.coordinates
         # The rank is that of almost every place; this one has angles and lengths of no meaning.
         place = coordinates.place(1.0 + 0.37 * np.arange(float(len(coordinates.names))))
-        mass = place.slope.T @ coordinates.equations.mass @ place.slope
+        own = coordinates.own
+        across = place.slope.T if own is None else (place.slope * own).T
+        mass = across @ coordinates.equations.mass @ place.slope
         massless = null_space(mass, RANK)
         if kind == "redundant":
             massless = massless[:, np.abs(coordinates.servo @ massless).max(axis=0) > RANK]

@@ -22,7 +22,7 @@ from ...models.types import Array
 from ..exact.problem import Problem
 from ..exact.structure import Analysis, Row
 from .coordinates import coordinates_of
-from .formulation import Evaluated
+from .formulation import Evaluated, Instant
 from .mechanics import Mechanics
 
 
@@ -126,6 +126,16 @@ class Repeated:
     def evaluate(self, given: Array, z: Array, zd: Array, zdd: Array, slopes: bool) -> Evaluated:
         """All equations and their derivatives."""
         return self.terms.evaluate(given, np.concatenate((z, zd, zdd)), slopes)
+
+    def moving(self, instant: Instant) -> tuple[Array, Array, Array]:
+        """All unknowns and their derivatives, wherever they stand."""
+        size = len(self.names)
+        entries = np.zeros(3 * size)
+        for (j, order), place in self.slots.items():
+            known = instant.derivatives[j]
+            if order < len(known):
+                entries[place] = known[order]
+        return entries[:size], entries[size : 2 * size], entries[2 * size :]
 
     def rates(self, z: Array, zd: Array, zdd: Array) -> tuple[Array, Array]:
         """Rates and accelerations of the coordinates, dummies among them."""

@@ -90,7 +90,7 @@ def _polynomial(equations: Formulation, state: State) -> _Polynomial:
     _, multipliers[rows], inputs = mechanics.split(state.z)
     eliminated = [k for k in range(len(multipliers)) if k not in rows]
     if eliminated:
-        pulls = forces.gradient[eliminated].T
+        pulls = forces.push[eliminated].T
         multipliers[eliminated] = np.linalg.lstsq(pulls, -forces.unbalanced, rcond=None)[0]
     series = np.array([place.q, place.slope @ rate, place.second(rate, acceleration)])
     return _Polynomial(series, multipliers, inputs)

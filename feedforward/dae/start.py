@@ -1,9 +1,12 @@
-"""Consistent starting values: the equations at rest, solved by Newton's method.
+"""Consistent starting values: the equations at rest, solved by Newton's method, or a moving base.
 
 A path starts from rest, so before its start everything rests too: z solves F(z, 0, 0) = 0 with all
 dummies zero, and every past state that a multistep formula asks for is this one, exactly.  Which of
 the solutions it is (the load below the trolley, not above) the rig's home says; the exact solver's
 rest there is the first guess and nothing more.
+
+Where a base moves as given nothing rests: it moved before the start, too, and the start and the
+past that a multistep formula asks for are those of the exact motion.
 """
 
 import numpy as np
@@ -11,12 +14,16 @@ import numpy as np
 from ...models.errors import PathError
 from ...models.types import Array
 from ..exact.branch import branch_of
+from ..exact.naming import motion_of
 from ..exact.problem import Problem
 from ..paths.reference import Reference
 from ..paths.straight import hold
+from ..paths.waves import base_at
+from ..series.products import factorials
 from ..series.rotation import bryant
 from .direct import Direct
-from .formulation import Formulation, prescribed
+from .formulation import Formulation, Instant, prescribed
+from .schemes import State
 
 ITERATIONS = 20
 """Newton steps allowed; the guess is exact but for a pulley that chooses its own place."""
@@ -49,6 +56,53 @@ def at_rest(equations: Formulation, reference: Reference) -> Array:
         rig = direct.mechanics.coordinates.problem.rig
         raise PathError(f"rig {rig.name} has no equilibrium at the start of the path")
     return np.concatenate((z, np.zeros(len(equations.names) - len(z))))
+
+
+def states_before(
+    equations: Formulation, reference: Reference, h: float, count: int
+) -> list[State]:
+    """The last states up to the start of a path on a moving base, at steps of h [s].
+
+    Raises
+    ------
+    RigError, PathError
+        As `feedforward.solve` there, or a recording has no such past.
+    """
+    back, base = (count - 1) * h, base_at(reference, 0.0)
+    if base is not None and any(record.start + base.since < back for record in base.records):
+        raise PathError(
+            f"a record must start {back:g} s or later after its first sample: the scheme looks back"
+        )
+    coordinates = equations.mechanics.coordinates
+    problem, e = coordinates.problem, coordinates.equations
+    branch = branch_of(problem, reference)
+    times = h * np.arange(1.0 - count, 1.0)
+    taylor, solution = branch.expanded(times)
+    motion = motion_of(problem, solution, times, taylor, branch.turned(times))
+    series = [
+        np.asarray(factorials(len(parts))[:, None] * np.array(parts, float))
+        for parts in solution.series
+    ]
+    n, m = len(e.names), len(e.constraint_names)
+
+    def known(name: str) -> Array:
+        if name in e.names:
+            return np.array(series[e.names.index(name)][:3])
+        column = motion.column(name)
+        parts = motion.positions, motion.velocities, motion.accelerations
+        return np.array([part[:, column] for part in parts])
+
+    paths = np.array([known(name) for name in coordinates.names])
+    values = np.array([parts[0] for parts in series[n:]])
+    last = m + len(problem.rig.drives)
+    states = []
+    for i in range(count):
+        place, rate, acceleration = paths[:, :, i].T
+        derivatives = tuple(parts[:, i] for parts in series)
+        multipliers, inputs = values[:m, i], values[m:last, i]
+        instant = Instant(place, rate, acceleration, multipliers, inputs, derivatives)
+        states.append(State(*equations.moving(instant)))
+    return states
 
 
 def start_angles(problem: Problem, reference: Reference) -> dict[str, float]:

@@ -148,7 +148,8 @@ def navy_ship_crane(
     """US Navy crane on a ship at sea (K 3.1.2, Y 6.2, of which the sources hold the ship still).
 
     `navy_crane_3d` whose platform turns on a pedestal amidships, its boom's foot `height` above
-    the waterline.  The ship's bow is at +y; the load comes aboard over its side.
+    the waterline.  The ship's bow is at +y; the load comes aboard over its side.  Its drives are
+    stronger by 60 %: to hold the load on the way while the ship moves takes that.
 
     Inputs: as there, then accelerations of heave [m/s2], roll and pitch [rad/s2].
     Outputs: as there, then heave.position [m], roll.angle, ship.angle [rad].
@@ -163,7 +164,7 @@ def navy_ship_crane(
         crane,
         name="navy_ship_crane",
         frames=(*ship, replace(boom, parent=SHIP, origin=(0.0, 0.0, height))),
-        drives=(*crane.drives, *_engines()),
+        drives=(*(replace(d, limit=1.6 * d.limit) for d in crane.drives), *_engines()),
         outputs=(*crane.outputs, *(frame.coordinate for frame in ship)),
         home={"pulley": pulley, "load": load},
     )

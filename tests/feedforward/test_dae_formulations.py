@@ -19,6 +19,7 @@ RIGS = (
     "navy_crane_2d",
     "navy_crane_3d",
     "cable_manipulator",
+    "ship_crane",
 )
 PAIRS = [
     (name, formulation)
