@@ -33,6 +33,7 @@ from .crane.references import RandomMoves
 from .crane.swing_damping import SwingDamping
 from .crane.task import CraneTask
 from .crane.taut_guard import TautGuard
+from .goal_conditioned import GoalConditioned
 from .hand.disturbances import HandDisturbances, HandScenario, hand_design
 from .hand.env import HandEnv, HandVectorEnv
 from .hand.goals import RandomGoals
@@ -57,6 +58,7 @@ __all__ = [
     "EpisodeState",
     "Feedforward",
     "FrictionCompensation",
+    "GoalConditioned",
     "HandDisturbances",
     "HandEnv",
     "HandScenario",

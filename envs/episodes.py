@@ -75,6 +75,8 @@ class Task(Saving[PlanT, ScenarioT]):
         self.rows.follow(ids, plans)
         self.rows.look(self._steps)
         self.encoders.reset(ids, drawn, self.rows.parts["drives"])
+        if self._noise is not None:
+            self._noise.reset(ids, generators)
         # No episode can be over before so many steps: spares looking at each of them.
         self._countdown = int((self.lengths - self._steps).min())
 
@@ -103,6 +105,8 @@ class Task(Saving[PlanT, ScenarioT]):
         self.plant.require_threads()
         self._require_begun(ids)
         reward = self._advance(wanted, None) if ids is None else self._advance_some(wanted, ids)
+        if self._noise is not None:
+            self._noise.step(self.all if ids is None else ids)
         return self._judge(reward, ids)
 
     def _require_begun(self, ids: Ids | None) -> None:

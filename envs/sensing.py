@@ -16,12 +16,15 @@ What else a plant's sensors see follows.  Values beyond +-`LIMIT` are cut off.
 """
 
 from collections.abc import Callable, Sequence
+from fnmatch import fnmatchcase
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from ..models.errors import OptionError, did_you_mean
 from ..models.types import Array
+from ..models.values import shown
 from .common import LIMIT
 from .plans import AHEAD
 from .signals import Encoders, Rows
@@ -79,6 +82,7 @@ class Observation:
         }  # fmt: skip
         names = [f"{drive}.{group}" for group in groups for drive in drives] + ["left"]
         names += [name for sensor in sensors for name in sensor.names]
+        self._columns: NDArray[np.int64] | None = None
         self.names = tuple(names)
         """Names of all entries."""
         scales = [*groups.values(), np.ones(1)]
@@ -98,6 +102,30 @@ class Observation:
             (sensor.read, part) for sensor, part in zip(sensors, parts[5:], strict=True)
         ]
 
+    def keep(self, patterns: Sequence[str] | None) -> None:
+        """Show only entries whose names match one of some patterns, as file names do.
+
+        Raises
+        ------
+        OptionError
+            They are no patterns, or one matches nothing.
+        """
+        if patterns is None:
+            return
+        if isinstance(patterns, str) or not all(isinstance(one, str) for one in patterns):
+            raise OptionError(
+                f"entries is {shown(patterns)}, it must be names of entries, or patterns such as "
+                '"*.error"'
+            )
+        for pattern in patterns:
+            if not any(fnmatchcase(name, pattern) for name in self.names):
+                raise OptionError(
+                    f"no entry matches {pattern!r}{did_you_mean(pattern, self.names)}"
+                )
+        kept = [any(fnmatchcase(name, one) for one in patterns) for name in self.names]
+        self._columns = np.flatnonzero(kept)
+        self.names = tuple(self.names[column] for column in self._columns)
+
     def read(self, command: Array) -> Array:
         """Observations (n, entries), a new array, after the last command (n, drives)."""
         encoders = self._encoders
@@ -111,4 +139,4 @@ class Observation:
         entries: Array = self._raw * self._factors
         np.minimum(entries, self._highest, out=entries)
         np.maximum(entries, self._lowest, out=entries)
-        return entries
+        return entries if self._columns is None else entries[:, self._columns]

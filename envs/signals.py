@@ -187,7 +187,7 @@ class Rows:
         self._known = self.length.copy()
         self.goal = np.zeros((num, layout.drives))
         self.goal_inputs = np.zeros((num, layout.drives))
-        self._columns = columns = layout.columns
+        self.columns = columns = layout.columns
         self.parts = {name: self._row[:, part] for name, part in columns.items()}
         self.ahead = self._row[:, columns["preview"].start : columns["left"].stop]
 
@@ -207,7 +207,7 @@ class Rows:
     def later(self, name: str, steps: int) -> Array:
         """One of `parts` some steps later, or at the end of what is known, (n, its entries)."""
         rows = np.minimum(self._index + steps, self._first + self._known)
-        return np.asarray(self._table[:, self._columns[name]][rows])
+        return np.asarray(self._table[:, self.columns[name]][rows])
 
     def before(self, sim: int, step: int) -> Array:
         """The rows of a simulation before a step, a copy."""

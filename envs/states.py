@@ -150,6 +150,8 @@ class Saving(Parts[PlanT, ScenarioT]):
             "sensors": self.sensors,
             "rate": 1.0 / self.period,
             "timestep": float(self.plant.model.opt.timestep),
+            "entries": self._observation.names,
+            "noise": self._deviation,
         }
 
     def _memory(self) -> tuple[Array, ...]:
@@ -158,15 +160,17 @@ class Saving(Parts[PlanT, ScenarioT]):
         return (
             *self.plant.memory, encoders.errors, encoders.average, encoders.measured,
             commands.last, commands.sent, self._reward.terms, self._told.reason, self._steps,
-            self.over,
+            self.over, *(() if self._noise is None else (self._noise.values,)),
         )  # fmt: skip
 
     def _more(self, sim: int) -> dict[str, Any]:
         """What else a state has, live."""
-        return {}
+        return {} if self._noise is None else {"observation noise": self._noise.generator(sim)}
 
     def _take_more(self, sim: int, more: Mapping[str, Any]) -> None:
         """Go on with what else a state has."""
+        if self._noise is not None:
+            self._noise.take(sim, more["observation noise"])
 
     def _known(self, plan: PlanT) -> PlanT:
         """The plan of all episodes, where it is that one; a state may come from elsewhere."""

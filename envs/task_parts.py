@@ -4,18 +4,21 @@
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from typing import Any, ClassVar, Generic, cast
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.errors import OptionError
 from ..models.types import Array, Mask
-from ..models.values import bounded
+from ..models.values import bounded, shown
 from .acting import Acting
-from .common import Ids, Steps
+from .common import LIMIT, Ids, Steps
 from .gains import Gains, Track
 from .infos import Told, of_one
+from .observation_noise import ObservationNoise
 from .option_checks import sensors_of, substeps_of
 from .plans import Layout, Planner, PlanT
 from .ranges import Ranges, ScenarioT
@@ -61,12 +64,16 @@ class Parts(ABC, Generic[PlanT, ScenarioT]):
     encoders: Encoders
     """What is measured."""
     _most: int | None
+    _entries: Sequence[str] | None
+    _costs: bool
+    _deviation: float
     over: Mask
     """Whose episodes are over and have not begun anew, shape (n,)."""
 
     def _prepare(
         self, num: int, sensors: str, rate: float, timestep: float, hold: float,
-        most: int | None, nthread: int | None,
+        most: int | None, entries: Sequence[str] | None, noise: float, cost: bool,
+        nthread: int | None,
     ) -> int:  # fmt: skip
         """Check and keep the options that all tasks share; the substeps of a control period."""
         bounded("number of simulations", num, least=1, whole=True)
@@ -75,7 +82,10 @@ class Parts(ABC, Generic[PlanT, ScenarioT]):
             bounded("nthread", nthread, least=1, whole=True)
         if most is not None:
             most = int(bounded("max_episode_steps", most, least=1, whole=True))
-        self._most = most
+        if not isinstance(cost, bool):
+            raise OptionError(f"cost is {shown(cost)}, it must be True or False")
+        self._most, self._entries, self._costs = most, entries, cost
+        self._deviation = bounded("noise", noise, least=0)
         self.num, self.sensors = int(num), sensors_of(sensors, self.sensor_sets)
         self.all = np.arange(self.num, dtype=np.int32)
         substeps = substeps_of(rate, timestep)
@@ -90,6 +100,9 @@ class Parts(ABC, Generic[PlanT, ScenarioT]):
         self.rows = Rows(layout, num, self.planner.fixed)
         self.encoders = Encoders(self.plant, self.period)
         self._observation = self._make_observation()
+        self._observation.keep(self._entries)
+        count = len(self._observation.names)
+        self._noise = ObservationNoise(num, count, self._deviation) if self._deviation else None
         self._reward = Reward(num, levers, layout.drives, length)
         self._undisturbed: ScenarioT = self.disturbances.scenario_type()
         self.scenarios = [self._undisturbed] * num
@@ -129,11 +142,18 @@ class Parts(ABC, Generic[PlanT, ScenarioT]):
 
     def observation(self) -> Array:
         """What the sensors say, (n, entries), scaled to order one; the caller's own."""
-        return self._observation.read(self._commands.last)
+        seen = self._observation.read(self._commands.last)
+        if self._noise is not None:
+            seen = np.clip(seen + self._noise.values, -LIMIT, LIMIT)
+        return seen
 
     @abstractmethod
     def gains(self, track: Track = "moving") -> Gains:
         """Gains of a PD controller for this task."""
+
+    def goal_levers(self) -> tuple[Array, float] | None:
+        """What a unit of each output counts for, and what is near [m]; None for no goals."""
+        return None
 
     @abstractmethod
     def residual_share(self) -> float:
@@ -170,11 +190,16 @@ class Parts(ABC, Generic[PlanT, ScenarioT]):
             "reward_smoothness": smoothness,
             "scenario": self._told.scenarios,
             "reason": self._told.reason,
+            **({"cost": self._cost()} if self._costs else {}),
         }
 
     @abstractmethod
     def _truth(self) -> dict[str, NDArray[Any]]:
         """What `info` tells of the plants, (n, ...) each, live or new."""
+
+    @abstractmethod
+    def _cost(self) -> Array:
+        """How near simulations are to what ends their episodes, from 0 to 1, (n,)."""
 
     @abstractmethod
     def _make_observation(self) -> Observation:

@@ -176,7 +176,7 @@ class LiveTask(Task[CranePlan, Scenario]):
         return (*super()._memory(), *(() if self.loads is None else self.loads.memory))
 
     def _more(self, sim: int) -> dict[str, Any]:
-        more: dict[str, Any] = {}
+        more = super()._more(sim)
         if self.loads is not None:
             more["noise"] = self.loads.noise_of(sim)
         if sim in self._lines:
@@ -184,6 +184,7 @@ class LiveTask(Task[CranePlan, Scenario]):
         return more
 
     def _take_more(self, sim: int, more: Mapping[str, Any]) -> None:
+        super()._take_more(sim, more)
         self._lines.pop(sim, None)
         if "line" in more:
             self._lines[sim] = more["line"]

@@ -67,6 +67,11 @@ def _pulls(rig: Rig, model: mujoco.MjModel, data: mujoco.MjData, at: Instant) ->
     return np.asarray(tensions(rig, data.qpos, data.qvel, data.qacc, data.ctrl, 0.0))
 
 
+def home_pulls(plant: Plant, data: mujoco.MjData) -> Array:
+    """Tensions of all ropes and links at rest at home [N]."""
+    return _pulls(plant.rig, plant.model, data, next(_at_home(plant)))
+
+
 def _at_home(plant: Plant) -> Iterator[Instant]:
     yield Instant(plant.home, np.zeros(plant.model.nv), plant.home_inputs)
 

@@ -10,6 +10,7 @@ controllers of `flatrig.envs.controllers` read what encoders measure and what th
 A simulation's episode depends on its own generator, scenario and actions only, to the last bit.
 """
 
+from collections.abc import Sequence
 from contextlib import suppress
 from os import PathLike
 from typing import Any
@@ -21,10 +22,13 @@ from numpy.typing import NDArray
 from ... import models
 from ...models.errors import FlatrigError
 from ...models.rig.rig import Rig
+from ...models.types import Array
 from ..acting import Acting
 from ..gains import Gains, Track
+from ..rewards import NEAR
 from ..sensing import Observation
 from .along_plans import AlongPlans
+from .costs import Costs
 from .disturbances import Disturbances
 from .drive_band import PowerLimits, band_of
 from .lead import Line
@@ -67,6 +71,12 @@ class CraneTask(LiveTask):
         How long an episode lasts after arrival [s].
     max_episode_steps
         Steps after which it is truncated anyway.
+    entries
+        Names of the entries of observations to show, or patterns such as "*.tension"; None for all.
+    noise
+        Standard deviation of white noise on observations, in their scaled units.
+    cost
+        Whether `info` has a "cost" from 0 to 1, see `flatrig.envs.crane.costs`.
     massless
         Stands in for the mass of free pulleys that have none [kg], see `flatrig.models.compile`.
     nthread
@@ -94,12 +104,17 @@ class CraneTask(LiveTask):
         disturbances: Disturbances | dict[str, Any] | str | None = None,
         hold: float = 4.0,
         max_episode_steps: int | None = None,
+        entries: Sequence[str] | None = None,
+        noise: float = 0.0,
+        cost: bool = False,
         massless: float | None = None,
         nthread: int | None = None,
     ) -> None:
         self.rig, move = rig_and_move(rig)
         self.massless = massless
-        substeps = self._prepare(num, sensors, rate, timestep, hold, max_episode_steps, nthread)
+        substeps = self._prepare(
+            num, sensors, rate, timestep, hold, max_episode_steps, entries, noise, cost, nthread
+        )
         self.disturbances = Disturbances.of(disturbances, self.rig)
         self.limits = np.array([drive.largest for drive in self.rig.drives])
         self.planner = CranePlanner(self.rig, reference, self.period, hold, move)
@@ -116,6 +131,7 @@ class CraneTask(LiveTask):
         )
         self.scales = self.plant.geometry.scales
         self._lines: dict[int, Line] = {}
+        self._crane_costs: Costs | None = None
         self._power = PowerLimits(self.plant, self.limits)
         arms, band = levers(self.rig, self.scales), band_of(self.rig, self.period)
         given = given_drives(self.rig)
@@ -131,6 +147,10 @@ class CraneTask(LiveTask):
         if track == "set point":
             return gains
         return gains._replace(schedule=AlongPlans(self, lambda plan: gains_along(self.plant, plan)))
+
+    def goal_levers(self) -> tuple[Array, float]:
+        """What a unit of each output counts for [m], (outputs,), and what is near [m]."""
+        return levers(self.rig, self.scales), NEAR * self.scales.length
 
     def residual_share(self) -> float:
         """Largest share of the limits that leaves ropes taut, see `residual_share`."""
@@ -156,6 +176,11 @@ class CraneTask(LiveTask):
             "tension": self.plant.tensions,
             "input": self.plant.ctrl,
         }
+
+    def _cost(self) -> Array:
+        if self._crane_costs is None:
+            self._crane_costs = Costs(self.plant, self.band)
+        return self._crane_costs.of(self.commands)
 
     def _make_observation(self) -> Observation:
         self.loads = self._load_sensors()

@@ -11,6 +11,7 @@ the simulation has left the numbers ("not finite").  The reward is that of `flat
 the distance is halved at 5 % of the object's radius, a turn counts times the radius.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import mujoco
@@ -34,6 +35,8 @@ from .plant import HandPlant
 
 NEAR_SHARE = 0.05
 """Distance that halves the reward, over the object's radius."""
+CLOSE = 0.1
+"""Last share of a motor's limit, in which commands cost something."""
 HELD = 0.5
 """Share of a finger's normal force that random residuals leave."""
 SERVO = 0.2
@@ -65,6 +68,13 @@ class HandTask(Task[HandPlan, HandScenario]):
         How long an episode lasts after arrival [s].
     max_episode_steps
         Steps after which it is truncated anyway.
+    entries
+        Names of the entries of observations to show, or patterns such as "*.tension"; None for all.
+    noise
+        Standard deviation of white noise on observations, in their scaled units.
+    cost
+        Whether `info` has a "cost" from 0 to 1, 1 where a finger has no contact or a motor
+        is at its limit.
     nthread
         Threads of the simulation; results do not depend on it.
 
@@ -90,10 +100,15 @@ class HandTask(Task[HandPlan, HandScenario]):
         disturbances: HandDisturbances | dict[str, Any] | str | None = None,
         hold: float = 1.0,
         max_episode_steps: int | None = None,
+        entries: Sequence[str] | None = None,
+        noise: float = 0.0,
+        cost: bool = False,
         nthread: int | None = None,
     ) -> None:
         self.hand = hand = as_hand(hand)
-        substeps = self._prepare(num, sensors, rate, timestep, hold, max_episode_steps, nthread)
+        substeps = self._prepare(
+            num, sensors, rate, timestep, hold, max_episode_steps, entries, noise, cost, nthread
+        )
         self.disturbances = HandDisturbances.of(disturbances, hand)
         self.limits, self.inertias = _motors(hand)
         self.planner = HandPlanner(hand, reference, self.period, hold)
@@ -144,6 +159,11 @@ class HandTask(Task[HandPlan, HandScenario]):
             "touching": plant.gaps < 0.0,
             "input": plant.ctrl,
         }
+
+    def _cost(self) -> Array:
+        used = (np.abs(self.commands).max(axis=1) - 1.0) / CLOSE + 1.0
+        lost = (self.plant.gaps >= 0.0).any(axis=1)
+        return np.asarray(np.clip(np.maximum(used, lost), 0.0, 1.0))
 
     def _make_observation(self) -> Observation:
         return observation_of(self.plant, self.encoders, self.rows, self.sensors == "full")
