@@ -1,7 +1,7 @@
 """What might be wrong with a rig whose equations do not determine everything."""
 
 from ...models.rig.open_tensions import TENSION, redundant_bodies
-from ...models.rig.rig import Rig
+from ...models.rig.rig import WORLD, Rig
 
 
 def what_to_change(rig: Rig) -> str:
@@ -25,4 +25,6 @@ def _idle(rig: Rig) -> str:
     idle = next((frame.name for frame in rig.frames if frame.name not in used), None)
     if idle is None:
         return ""
-    return f"; frame {idle} carries nothing, what stands on it names it as frame or parent"
+    other = next((f.name for f in rig.frames if f.parent == WORLD and f.name in used), None)
+    such = f', such as parent = "{idle}" in frame {other}' if other else ""
+    return f"; frame {idle} carries nothing, what stands on it names it as frame or parent{such}"

@@ -128,11 +128,11 @@ def what_is_missing(problem: Problem) -> str:
     """What might make a rig flat that is not: a link, or a freedom that is held."""
     rig = problem.rig
     driven = [drive.on for drive in rig.drives]
-    loose = [rope.name for rope in rig.ropes if rope.name not in driven]
+    loose = [rope for rope in rig.ropes if rope.name not in driven]
     if loose:
         return (
-            f"; rope {loose[0]} has no drive, so that its winch turns freely: if its length is to "
-            "stay, it is a link"
+            f"; rope {loose[0].name} has no drive, so that its winch turns freely: if its length "
+            f"is to stay, it is a link with ends = {[loose[0].path[0], loose[0].path[-1]]}"
         )
     prescribed = {name for output in rig.outputs for _, name in rig.terms(output)}
     roped = {point for rope in rig.ropes for point in rope.path}

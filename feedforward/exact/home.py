@@ -16,6 +16,8 @@ from .problem import Problem
 from .refusal import first_wrong, lost, place
 from .taylor import Solution, expand
 
+UNBALANCED = 1e-3
+"""Force over the rig's weight that shows that a home is not at rest."""
 APPROACHES = (17, 65)
 """Samples of the way from home to the start of the path; the finer one where Newton's method loses
 its way between two of the coarser."""
@@ -45,7 +47,24 @@ def approach(problem: Problem, start: tuple[float, ...]) -> Solution:
         reasons.append(f"{place(rig, way[wrong])}: {lost(problem, solution, signs, wrong)}")
     raise PathError(
         f"rig {rig.name}: the approach from its home to the start of the path, in rest, is lost at "
-        f"{reasons[0]}"
+        f"{reasons[0]}{_unrest(problem.equations)}"
+    )
+
+
+def _unrest(equations: Equations) -> str:
+    """What at home is not at rest, as the end of a message; nothing if all is."""
+    unknowns, loads = _home(equations)[1], {load.name for load in equations.rig.loads}
+    n, m, drives = len(equations.names), len(equations.roles), len(equations.rig.drives)
+    pull = _pull(equations, unknowns[:n])
+    forces = np.abs(equations.force - pull @ unknowns[n : n + m + drives]).tolist()
+    pairs = zip(equations.names, forces, strict=True)
+    missing = {name: force for name, force in pairs if name.rsplit(".", 1)[0] in loads}
+    worst = max(missing, key=lambda name: missing[name], default="")
+    if not worst or missing[worst] < UNBALANCED * equations.rig.weight:
+        return ""
+    return (
+        f"; its home is not at rest, where nothing balances {missing[worst]:.4g} N along {worst}: "
+        "what hangs on one rope is straight below where that comes from"
     )
 
 
@@ -89,12 +108,18 @@ def _home(equations: Equations) -> tuple[dict[str, Array], Array]:
     values = {name: np.array(value) for name, value in rig.home_coordinates.items()}
     state, _ = redundant(equations, values, dict.fromkeys(values, np.zeros(())))
     values |= {rope.coordinate: state[equations.names.index(rope.coordinate)] for rope in rig.ropes}
-    pull = np.hstack((equations.constraint_forces(state).T, -equations.input_matrix(state)))
+    pull = _pull(equations, state)
     statics = np.asarray(np.linalg.lstsq(pull, equations.force, rcond=None)[0])
     tensions = equations.tensions(state[None], statics[None, : len(equations.roles)])[0]
     pairs = zip(rig.tension_names, tensions, strict=True)
     values |= {name + TENSION: np.array(tension) for name, tension in pairs}
     return values, np.concatenate((state, statics, np.zeros(len(open_unknowns(equations)))))
+
+
+def _pull(equations: Equations, state: Array) -> Array:
+    """What unit multipliers and inputs pull at coordinates in a state (n,), (n, m + drives)."""
+    forces = equations.constraint_forces(state).T
+    return np.hstack((forces, -equations.input_matrix(state)))
 
 
 def _output(rig: Rig, values: dict[str, Array], name: str) -> float:

@@ -126,7 +126,26 @@ class SampledPath(ReferencePath):
     @cached_property
     def _fit(self) -> Fit:
         times = self._spline_times(np.array(self.times) - self.times[0])
-        return fit(times, np.array(self.points), self.order, self.tolerance)
+        points = np.array(self.points)
+        try:
+            return fit(times, points, self.order, self.tolerance)
+        except PathError as error:
+            scattered = error
+        try:
+            fit(times, points, self.order, self.tolerance, rest=False)
+        except PathError:
+            raise scattered from None
+        raise PathError(self._in_motion(points))
+
+    def _in_motion(self, points: Array) -> str:
+        """Which column of a recording that is smooth is in motion at its start or end."""
+        speeds = np.abs(np.diff(points, axis=0) / np.diff(self.times)[:, None])[[0, -1]]
+        end, column = np.unravel_index(int(speeds.argmax()), speeds.shape)
+        when, speed = ("starts", "ends")[int(end)], speeds[end, column]
+        return (
+            f"column {column} {when} at a speed of {speed:.3g} per second, a recording must start "
+            "and end in rest; what a base does in a sea is said by `waves` or `records` of a move"
+        )
 
     @property
     def _spline(self) -> BSpline:

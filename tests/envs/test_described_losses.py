@@ -41,10 +41,9 @@ def regulated(env):
     return envs.LQR(envs.Feedforward(envs.PD(env)))
 
 
-@pytest.mark.parametrize("efficiency", [0.8, 0.45])
-def test_gears_lose_what_the_feedforward_adds(efficiency):
+def test_gears_lose_what_the_feedforward_adds():
     """Under exact inputs alone, held for 20 ms, a crane with such gears moves as without."""
-    error, *_, ended = driven(lossy("rotary_crane", efficiency), open_loop)
+    error, *_, ended = driven(lossy("rotary_crane", 0.6), open_loop, steps=400)
     assert not ended
     assert error.max() < 1e-4
 
@@ -128,7 +127,7 @@ def test_a_regulator_is_that_of_a_crane_without_dry_friction(monkeypatch):
         masses=(replace(rig.trolleys[0], friction=Friction(40.0, 20.0)), rig.loads[0]),
         ropes=(replace(rig.ropes[0], friction=Friction(20.0, 30.0)),),
     )
-    error, *_, ended = driven(rig, regulated, sensors="full")
+    error, *_, ended = driven(rig, regulated, steps=200, sensors="full")
     assert not ended
     assert error.max() < 1e-4
     monkeypatch.setattr(linearisation, "without_jumps", lambda rig: rig)

@@ -87,6 +87,13 @@ def test_noisy_recording_needs_a_tolerance():
     assert np.abs(error[0]).max() < 1e-12
 
 
+def test_a_recording_that_starts_with_a_jump_is_no_path():
+    times = np.linspace(0.0, 40.0, 401)
+    points = np.stack((np.full_like(times, 12.0), np.sin(0.8 * times)), axis=1)
+    with pytest.raises(PathError, match=r"column 1 starts at a speed of 0\.79\d per second"):
+        sampled(times, points)
+
+
 def recording(path, rate, noise):
     """Points of a path at a rate [Hz], with noise of a standard deviation [m]."""
     times = np.linspace(0, path.duration, round(path.duration * rate) + 1)

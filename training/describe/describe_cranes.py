@@ -160,7 +160,7 @@ def _show_sizing(report: feedforward.Feasibility) -> None:
             f"{drive.speed:.4g} {'rad/s' if turns else 'm/s'}",
             f"{drive.rpm:.4g}" if turns else "",
             f"{drive.power:.4g}",
-            f"{drive.braking:.4g}",
+            f"{drive.braking + 0.0:.4g}",  # no "-0"
         )
     console().print(rows)
 
