@@ -6,8 +6,11 @@ from ...models.rig.rig import Link, Load, Platform, Rig
 
 
 def payloads(rig: Rig) -> list[Load | Platform]:
-    """Loads that no rope runs over, and platforms; free pulleys and hooks belong to the crane."""
-    fittings = rig.pulleys | hooks(rig)
+    """Loads that no rope runs over or starts at, and platforms.
+
+    Free pulleys, hooks, and what a winch stands on belong to the crane.
+    """
+    fittings = rig.pulleys | hooks(rig) | {rope.path[0] for rope in rig.ropes}
     return [*(load for load in rig.loads if load.name not in fittings), *rig.platforms]
 
 
@@ -39,10 +42,18 @@ def hooks(rig: Rig) -> frozenset[str]:
 
 
 def hung(rig: Rig) -> list[tuple[str, str]]:
-    """What hangs on each link at home: its lower end and its upper one, from the top down."""
+    """What hangs on each link at home: its lower end and its upper one, from the top down.
+
+    On a beam nothing hangs that ropes or other links hold from above, however it leans.
+    """
     height = {end: rig.home_point(end)[2] for link in rig.links for end in link.ends}
-    pairs = [sorted(link.ends, key=lambda end: height[end]) for link in rig.links]
-    slanted = [(low, high) for low, high in pairs if height[low] < height[high]]
+    pairs = {link: sorted(link.ends, key=lambda end: height[end]) for link in rig.links}
+    held = {point for rope in rig.ropes for point in rope.path} | {a.name for a in rig.anchors}
+    slanted = []
+    for link, (low, high) in pairs.items():
+        others = {lower for other, (lower, _) in pairs.items() if other is not link}
+        if height[low] < height[high] and not (link.mass and low in held | others):
+            slanted.append((low, high))
     return sorted(slanted, key=lambda pair: -height[pair[1]])
 
 

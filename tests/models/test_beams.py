@@ -8,6 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from flatrig import feedforward, models
+from flatrig.envs.crane.payloads import payload_bodies, payload_weight, reloaded
 from flatrig.feedforward import equations_of, from_move, solve
 from flatrig.feedforward.exact.equations import redundant
 from flatrig.models import (
@@ -316,3 +317,17 @@ def test_files_have_them():
     rig = on_two_trolleys(centre=4.0, inertia=9000.0)
     assert models.loads(models.dumps(rig, IN_PLANE)) == (rig, IN_PLANE)
     assert "centre" not in models.dumps(on_two_trolleys())
+
+
+def test_a_beam_that_leans_is_all_payload():
+    rig = on_two_trolleys()
+    leaning = replace(rig, home={**rig.home, "b": (4.9, 0, -9.0)})
+    for crane in (rig, leaning):
+        assert payload_bodies(crane) == ["a", "b", "beam"]
+        assert payload_weight(reloaded(crane, 1.2)) == pytest.approx(1.2 * crane.weight)
+    spreader = under_a_hook()
+    for low in (-6.0, -6.2):
+        crane = replace(spreader, home={**spreader.home, "a": (5.0, 1.0, low)})
+        assert payload_bodies(crane) == ["a", "b", "beam"]
+    assert payload_bodies(derrick()) == ["load"]
+    assert payload_bodies(rod_and_payload()) == ["b"]  # the rod belongs to the crane
