@@ -135,8 +135,9 @@ def test_the_worst_is_the_nearest_to_its_tolerance_or_not_a_number():
 def test_random_rigs_are_of_every_kind_and_the_same_again():
     rigs = [random_rig(np.random.default_rng(seed)) for seed in range(160)]
     assert rigs[:5] == [random_rig(np.random.default_rng(seed)) for seed in range(5)]
-    # platforms hang from trolleys or masts; what is held is a beam in a plane, or a box
-    assert len({rig.name for rig in rigs}) == len(KINDS) + 2
+    # platforms hang from trolleys or masts; what is held is a box, a beam or a link with a mass
+    assert len({rig.name for rig in rigs}) == len(KINDS) + 3
+    assert any(link.mass for rig in rigs for link in rig.links)
     assert {frame.kind for rig in rigs for frame in rig.frames} == {"turning", "sliding"}
     assert any(rope.falls > 1 for rig in rigs for rope in rig.ropes)
     assert any(rope.sheaves for rig in rigs for rope in rig.ropes)

@@ -24,7 +24,7 @@ def hook_crane(dice: Dice) -> Rig:
     for _ in names:
         heights.append((heights or [0.0])[-1] - dice.length(0.3, 2.0))
     links = tuple(
-        _heavy(dice, Link(f"sling_{k}", (above, below)), heights[k] - heights[k + 1], swings=True)
+        _sling(dice, Link(f"sling_{k}", (above, below)), heights[k] - heights[k + 1])
         for k, (above, below) in enumerate(pairwise(names))
     )
     return Rig(
@@ -47,16 +47,21 @@ def hook_crane(dice: Dice) -> Rig:
     )
 
 
-def _heavy(dice: Dice, link: Link, length: float, swings: bool = False) -> Link:
-    """The link, or a rod in its place; one that `swings` has its lower end where it is flat."""
+def _sling(dice: Dice, link: Link, length: float) -> Link:
+    """The link, or in its place a rod whose lower end is its centre of oscillation, and flat."""
     if dice.maybe(0.7):
         return link
     mass, share = dice.mass(), dice.rng.uniform(0.1, 0.9)
-    inertia = mass * length**2 * dice.rng.uniform(0.0, 0.2)
-    if swings:  # about its upper end, with the lower one as the centre of oscillation
-        inertia = mass * length**2 * share * (1.0 - share)
-    elif dice.maybe():
+    inertia = mass * length**2 * share * (1.0 - share)
+    return replace(link, mass=mass, centre=length * share, inertia=inertia)
+
+
+def _heavy(dice: Dice, link: Link, length: float) -> Link:
+    """The link as a beam, uniform or not."""
+    mass, share = dice.mass(), dice.rng.uniform(0.1, 0.9)
+    if dice.maybe():
         return replace(link, mass=mass)
+    inertia = mass * length**2 * dice.rng.uniform(0.0, 0.2)
     return replace(link, mass=mass, centre=length * share, inertia=inertia)
 
 
@@ -97,7 +102,7 @@ def _bar(dice: Dice) -> Rig:
     """A beam that is a link with a mass, on two ropes from two trolleys on one rail."""
     half, down = dice.length(0.3, 1.0), dice.length(0.5, 3.0)
     wide = half * dice.rng.uniform(0.8, 1.5)
-    beam = replace(_heavy(dice, Link("beam", ("a", "b")), 2 * half), pushes=True)
+    beam = _heavy(dice, Link("beam", ("a", "b")), 2 * half)
     return Rig(
         name="bar_crane",
         dimensions=2,
