@@ -45,7 +45,7 @@ class LinkForces:
         stiff = stiff_links(rig)
         self._columns = [names.index(link.name) for link in stiff]
         tendons = [model.tendon(link.name).id for link in stiff]
-        self._home = np.array([rig.link_length(link) for link in stiff])
+        self._slack = model.tendon_lengthspring[tendons, 0]
         self._stiffness = model.tendon_stiffness.reshape(model.ntendon, -1)[tendons, 0]
         self._damping = model.tendon_damping.reshape(model.ntendon, -1)[tendons, 0]
         self._tendons = tendons
@@ -57,6 +57,6 @@ class LinkForces:
         for column, own, towards in self._cells:
             self._out[:, column] = (self._sensed[:, own] * towards).sum(axis=-1)
         if self._columns:
-            stretch = self._lengths[:, self._tendons] - self._home
+            stretch = self._lengths[:, self._tendons] - self._slack
             rates = self._rates[:, self._tendons]
             self._out[:, self._columns] = self._stiffness * stretch + self._damping * rates

@@ -10,7 +10,7 @@ from ..rig.chain import stiff_links
 from ..rig.open_tensions import distributed, wanted_densities
 from ..rig.rig import Frame, Rig
 from ..types import Array
-from . import spools
+from . import spools, stiff_ties
 from .armature import tendon_jacobian
 from .rigging import GIVEN
 from .ropes import Ropes, stretch_of, stretches
@@ -40,6 +40,7 @@ def compile_at_rest(scene: mujoco.MjSpec, rig: Rig, ropes: Ropes) -> mujoco.MjMo
     if ropes.spooled:
         spools.settle(scene, rig, ropes, model)  # while the keyframe's ropes are unstretched
         home[-len(tendons) :] -= stretches(rig, model, tensions_at_rest[: len(tendons)])
+    stiff_ties.settle(scene, rig, model, tensions_at_rest[len(tendons) :])
     scene.key("home").qpos = model.key_qpos[0] = home
     scene.key("home").ctrl = model.key_ctrl[0] = inputs
     return model
