@@ -4,14 +4,14 @@ A motion is one array whose first axis is the order of the derivative: position,
 where needed, acceleration.  NumPy only.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ..rig.body import Body
 from ..rig.chain import chain_of, joint_names
 from ..rig.frames import carriers
-from ..rig.rig import Frame, Platform, Rig, Trolley, Vector
+from ..rig.rig import WORLD, Frame, Platform, Rig, Trolley, Vector
 from ..rig.turning_axes import turn_about
 from ..types import Array
 from .swinging import swing_angles, turned_out
@@ -103,6 +103,29 @@ def outwards(rig: Rig, frame: Frame | None, motion: Mapping[str, Array], own: Ar
         own = turn_about(turning.axis, own, motion[turning.coordinate])
         own = own + _foot(rig, turning, motion, own)
     return own
+
+
+def outwards_together(
+    rig: Rig, parts: Sequence[tuple[Frame | None, str, Array]], motion: Mapping[str, Array]
+) -> dict[str, Array]:
+    """`outwards` of many points by name, each with its frame: all on a frame are turned at once."""
+    held: dict[str, list[tuple[str, Array]]] = {}
+    for frame, name, own in parts:
+        held.setdefault(_first_turning(rig, frame), []).append((name, own))
+    for turning in reversed(rig.frames):  # each follows what carries it
+        on = held.pop(turning.name, [])
+        if on:
+            own = np.stack([motion for _, motion in on], axis=1)
+            own = turn_about(turning.axis, own, motion[turning.coordinate])
+            own = own + _foot(rig, turning, motion, own)
+            below = held.setdefault(_first_turning(rig, rig.frame(turning.parent)), [])
+            below += [(name, own[:, k]) for k, (name, _) in enumerate(on)]
+    return dict(held.get(WORLD, ()))
+
+
+def _first_turning(rig: Rig, frame: Frame | None) -> str:
+    """The frame in whose axes a frame sees what it carries, or the world."""
+    return next((part.name for part in _turning(rig, frame)), WORLD)
 
 
 def inwards(rig: Rig, frame: Frame | None, motion: Mapping[str, Array], world: Array) -> Array:

@@ -24,7 +24,15 @@ from ..rig.rig import WORLD, Anchor, Frame, Platform, Rig, Trolley
 from ..rig.turning_axes import carry
 from ..types import Array
 from ..values import reals
-from .joint_motion import fixed, free_base, joint_motion, on_rail, outwards, pivot_place, shift_of
+from .joint_motion import (
+    fixed,
+    free_base,
+    joint_motion,
+    on_rail,
+    outwards_together,
+    pivot_place,
+    shift_of,
+)
 from .link_tensions import link_tensions
 from .ropes import reach, stretches
 from .swinging import turned_out, way
@@ -102,15 +110,12 @@ def points(
     joints = np.stack([reals("a joint's motion", value) for value in orders])
     motion = {name: joints[..., column] for column, name in enumerate(joint_names(rig))}
     place: dict[str, Array] = {}
-    world: dict[str, Array] = {}
-    corners = [anchor for anchor in rig.anchors if rig.platform(anchor.frame) is not None]
+    parts: list[tuple[Frame | None, str, Array]] = []
     for frame in (None, *rig.frames):
         here = [a for a in rig.anchors if a.frame == (frame.name if frame else WORLD)]
-        if here:  # all of a frame at once
+        if here:
             shift = shift_of(rig, frame, motion, joints)
-            own = np.stack([shift + fixed(a.position, joints) for a in here], axis=1)
-            moved = outwards(rig, frame, motion, own)
-            world |= {a.name: moved[:, k] for k, a in enumerate(here)}
+            parts += [(frame, a.name, shift + fixed(a.position, joints)) for a in here]
     for link in chain_of(rig):
         part = link.part
         if isinstance(part, Frame):
@@ -128,10 +133,12 @@ def points(
             for axis in rig.axes:
                 own[..., "xyz".index(axis)] += motion[f"{part.name}.{axis}"]
         place[part.name] = own
-        world[part.name] = outwards(rig, link.frame, motion, own)
-        for corner in corners:
-            if isinstance(part, Platform) and corner.frame == part.name:
-                world[corner.name] = world[part.name] + _out(rig, link, corner, motion)
+        parts.append((link.frame, part.name, own))
+    world = outwards_together(rig, parts, motion)
+    for link in chain_of(rig):
+        for corner in rig.anchors if isinstance(link.part, Platform) else ():
+            if corner.frame == link.part.name:
+                world[corner.name] = world[link.part.name] + _out(rig, link, corner, motion)
     return world
 
 
