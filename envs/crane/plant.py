@@ -73,9 +73,11 @@ class Plant(Simulations[CranePlan, Scenario]):
     ) -> None:
         self.rig, self.simulated = rig, with_ideal_gears(rig)
         model = plant_model(rig, timestep, friction, rates, massless)
+        self.geometry = geometry_of(rig, model, np.array(model.key_qpos[0]))
+        if not (self.geometry.affine or apart(rig)):
+            model = plant_model(rig, timestep, friction, rates, massless, ends=True)
         super().__init__(model, num, len(rig.drives), substeps, nthread)
         self.home = np.array(self.model.key_qpos[0])
-        self.geometry = geometry_of(rig, self.model, self.home)
         self._bind()
         self._allocate()
         self._outputs = Outputs(rig, self.model, self.batch, rates, self.tensions)

@@ -8,12 +8,18 @@ from ...models.rig.rig import Rig
 from ..simulations import let_errors_show
 from .gear_losses import driven_name, loses
 from .link_forces import add_load_cells
+from .tensions import follow_ropes
 
 
 def plant_model(
-    rig: Rig, timestep: float, friction: bool, rates: bool, massless: float | None
+    rig: Rig,
+    timestep: float,
+    friction: bool,
+    rates: bool,
+    massless: float | None,
+    ends: bool = False,
 ) -> mujoco.MjModel:
-    """The rig's bare physics, with the loads' velocities as sensors if asked for."""
+    """The rig's bare physics, with sensors of the loads' velocities and of ropes if asked for."""
 
     def extend(scene: mujoco.MjSpec) -> None:
         let_errors_show(scene)
@@ -29,6 +35,8 @@ def plant_model(
             if drive.efficiency != 1.0:
                 name = driven_name(rig.driven(drive))
                 described_friction.harden(scene.tendon(name) or scene.joint(name), timestep)
+        if ends:
+            follow_ropes(scene, rig)
 
     return rig_model.compile(
         with_ideal_gears(rig),  # what they lose is taken off at run time

@@ -3,18 +3,65 @@
 The tension where a rope leaves its winch is T = (J/r^2) L'' - u/r - F, with the rope's length L,
 the winch's torque u and the force F of friction along the rope.
 `flatrig.models.mjcf.rig_state.tensions`
-says the same in a line for any rig; here it is done in few array operations for the rigs whose
-spans are affine in the joints.
+says the same in a line for any rig; here it is done in few array operations.  Spans and their
+derivatives are affine in the joints, or where ropes lead from frame to frame MuJoCo's sensors tell
+them; ropes that are constraints have spools that do.
 """
+
+from itertools import pairwise
 
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
 from ...models.mjcf.rig_state import tensions
+from ...models.rig.chain import apart
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from .geometry import Geometry, evenly
+
+RATE, SECOND = "rate", "second"
+"""What sensors of a rope's points are called behind the point."""
+
+
+def follow_ropes(scene: mujoco.MjSpec, rig: Rig) -> None:
+    """Add sensors of velocity and acceleration at all points that ropes run through."""
+    kinds = mujoco.mjtSensor.mjSENS_FRAMELINVEL, mujoco.mjtSensor.mjSENS_FRAMELINACC
+    for what, kind in zip((RATE, SECOND), kinds, strict=True):
+        for point in _points(rig):
+            scene.add_sensor(
+                name=f"{point}.{what}",
+                type=kind,
+                objtype=mujoco.mjtObj.mjOBJ_SITE,
+                objname=point,
+            )
+
+
+def _points(rig: Rig) -> list[str]:
+    """Points that ropes run through, each once."""
+    return list(dict.fromkeys(point for rope in rig.ropes for point in rope.path))
+
+
+class _Ends:
+    """Brings the vectors between neighbouring points, (n, 3 orders, spans, 3), up to date."""
+
+    def __init__(self, rig: Rig, model: mujoco.MjModel, batch: Batch, spans: Array) -> None:
+        points = _points(rig)
+        pairs = [pair for rope in rig.ropes for pair in pairwise(rope.path)]
+        self._near, self._far = np.array([[points.index(p) for p in pair] for pair in pairs]).T
+        self._sites = [model.site(point).id for point in points]
+        self._places, sensed = batch.bind("site_xpos"), batch.bind("sensordata")
+        self._derivatives = []
+        for what in (RATE, SECOND):
+            first = int(model.sensor(f"{points[0]}.{what}").adr[0])
+            part = sensed[:, first : first + 3 * len(points)]
+            self._derivatives.append(part.reshape(batch.nsim, len(points), 3))
+        self._spans = spans
+
+    def read(self) -> None:
+        """From MuJoCo's sites and sensors."""
+        for order, motion in enumerate((self._places[:, self._sites], *self._derivatives)):
+            np.subtract(motion[:, self._far], motion[:, self._near], self._spans[:, order])
 
 
 class RopeForces:
@@ -33,7 +80,8 @@ class RopeForces:
         spans: Array,
         out: Array,
     ) -> None:
-        self._rig, self._affine, self._out = rig, geometry.affine, out
+        self._rig, self._out = rig, out
+        self._spooled, self._ends = bool(apart(rig)), None
         self._qpos, self._qvel = batch.bind("qpos"), batch.bind("qvel")
         self._qacc, self._ctrl = batch.bind("qacc"), batch.bind("ctrl")
         tendons = [model.tendon(rope.name).id for rope in rig.ropes]
@@ -42,6 +90,9 @@ class RopeForces:
         self._rates = batch.bind("ten_velocity")[:, ropes]
 
         num, owners = batch.nsim, np.array(geometry.rope_of_span)
+        if not (geometry.affine or self._spooled):
+            spans = np.zeros((num, 3, 3 * len(owners)))
+            self._ends = _Ends(rig, model, batch, spans.reshape(num, 3, -1, 3))
         drives = {drive.on: column for column, drive in enumerate(rig.drives)}
         wound = [drives.get(rope.name, 0) for rope in rig.ropes]
         self._wound = evenly(wound) or wound
@@ -68,11 +119,13 @@ class RopeForces:
     def read(self, friction: Array | None) -> None:
         """Bring the tensions up to date; `friction` is the force on each rope, (n, ropes)."""
         out = self._out
-        if not self._affine:
+        if self._spooled:
             state = (self._qpos, self._qvel, self._qacc, self._ctrl)
             every = tensions(self._rig, *state, 0.0 if friction is None else friction)
             out[...] = every[:, : out.shape[1]]
             return
+        if self._ends is not None:
+            self._ends.read()
         self._left_motion[...] = self._motion
         self._right_motion[...] = self._reverse
         second = self._of_straight() if self._straight else self._of_bent()
