@@ -28,7 +28,7 @@ from .outputs import Outputs
 from .payloads import payload_bodies, turns
 from .plan import CranePlan
 from .plant_model import plant_model
-from .tensions import RopeForces
+from .tensions import RopeForces, sensed
 from .wind import Wind, heading
 
 ACCELERATIONS = int(mujoco.mjtStage.mjSTAGE_ACC)
@@ -74,7 +74,7 @@ class Plant(Simulations[CranePlan, Scenario]):
         self.rig, self.simulated = rig, with_ideal_gears(rig)
         model = plant_model(rig, timestep, friction, rates, massless)
         self.geometry = geometry_of(rig, model, np.array(model.key_qpos[0]))
-        if not (self.geometry.affine or apart(rig)):
+        if sensed(rig, self.geometry):
             model = plant_model(rig, timestep, friction, rates, massless, ends=True)
         super().__init__(model, num, len(rig.drives), substeps, nthread)
         self.home = np.array(self.model.key_qpos[0])

@@ -5,7 +5,7 @@ the winch's torque u and the force F of friction along the rope.
 `flatrig.models.mjcf.rig_state.tensions`
 says the same in a line for any rig; here it is done in few array operations.  Spans and their
 derivatives are affine in the joints, or where ropes lead from frame to frame MuJoCo's sensors tell
-them; ropes that are constraints have spools that do.
+them; ropes that are constraints have spools that do, and what beams bear follows from balances.
 """
 
 from itertools import pairwise
@@ -15,13 +15,23 @@ import numpy as np
 from mujoco.batch import Batch
 
 from ...models.mjcf.rig_state import tensions
-from ...models.rig.chain import apart
+from ...models.rig.chain import apart, weighed
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from .geometry import Geometry, evenly
 
 RATE, SECOND = "rate", "second"
 """What sensors of a rope's points are called behind the point."""
+
+
+def sensed(rig: Rig, geometry: Geometry) -> bool:
+    """Whether sensors tell of the ropes' spans, see `follow_ropes`."""
+    return not (geometry.affine or _balanced(rig))
+
+
+def _balanced(rig: Rig) -> bool:
+    """Whether tensions follow from the spools of ropes that are constraints, or from balances."""
+    return bool(apart(rig)) or weighed(rig)
 
 
 def follow_ropes(scene: mujoco.MjSpec, rig: Rig) -> None:
@@ -81,7 +91,7 @@ class RopeForces:
         out: Array,
     ) -> None:
         self._rig, self._out = rig, out
-        self._spooled, self._ends = bool(apart(rig)), None
+        self._balanced, self._ends = _balanced(rig), None
         self._qpos, self._qvel = batch.bind("qpos"), batch.bind("qvel")
         self._qacc, self._ctrl = batch.bind("qacc"), batch.bind("ctrl")
         tendons = [model.tendon(rope.name).id for rope in rig.ropes]
@@ -90,7 +100,7 @@ class RopeForces:
         self._rates = batch.bind("ten_velocity")[:, ropes]
 
         num, owners = batch.nsim, np.array(geometry.rope_of_span)
-        if not (geometry.affine or self._spooled):
+        if sensed(rig, geometry):
             spans = np.zeros((num, 3, 3 * len(owners)))
             self._ends = _Ends(rig, model, batch, spans.reshape(num, 3, -1, 3))
         drives = {drive.on: column for column, drive in enumerate(rig.drives)}
@@ -119,7 +129,7 @@ class RopeForces:
     def read(self, friction: Array | None) -> None:
         """Bring the tensions up to date; `friction` is the force on each rope, (n, ropes)."""
         out = self._out
-        if self._spooled:
+        if self._balanced:
             state = (self._qpos, self._qvel, self._qacc, self._ctrl)
             every = tensions(self._rig, *state, 0.0 if friction is None else friction)
             out[...] = every[:, : out.shape[1]]
