@@ -2,12 +2,13 @@
 
 from dataclasses import replace
 
+import gymnasium as gym
 import mujoco
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from flatrig import feedforward, models
+from flatrig import envs, feedforward, models
 from flatrig.envs.crane.payloads import payload_bodies, payload_weight, reloaded
 from flatrig.feedforward import equations_of, from_move, solve
 from flatrig.feedforward.exact.equations import redundant
@@ -331,3 +332,18 @@ def test_a_beam_that_leans_is_all_payload():
         assert payload_bodies(crane) == ["a", "b", "beam"]
     assert payload_bodies(derrick()) == ["load"]
     assert payload_bodies(rod_and_payload()) == ["b"]  # the rod belongs to the crane
+
+
+def test_environments_swing_it_and_read_its_tension():
+    """A girder on two slewing cranes, and one on two trolleys, under feedforward and PD."""
+    for rig, move, close in ((on_two_trolleys(), IN_PLANE, 1e-5), (tandem(), IN_SPACE, 1e-4)):
+        drives = tuple(replace(part, limit=2e4, lower=None) for part in rig.drives)
+        rig, path = replace(rig, drives=drives), from_move(move)
+        env = envs.Feedforward(envs.PD(gym.make(envs.OWN, rig=rig, reference=path)))
+        env.reset(seed=0)
+        for _ in range(150):
+            *_, ended, _, info = env.step(np.zeros(len(drives)))
+            assert not ended
+            assert_allclose(info["load"], info["reference"], atol=close)
+        told = solve(rig, path, [3.0]).tensions[0]
+        assert_allclose(info["tension"], told, atol=1e-3 * np.abs(told).max())
