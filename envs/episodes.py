@@ -62,6 +62,7 @@ class Task(Saving[PlanT, ScenarioT]):
             self.disturbances.draw(generator) if scenario is None else scenario
             for generator, scenario in zip(generators, scenarios, strict=True)
         ]
+        drawn = self._scripted(ids, generators, drawn)
         for sim, scenario, plan in zip(ids.tolist(), drawn, plans, strict=True):
             self.scenarios[sim], self.plans[sim] = scenario, plan
         inputs = np.array([plan.inputs for plan in plans])
@@ -108,6 +109,12 @@ class Task(Saving[PlanT, ScenarioT]):
         if self._noise is not None:
             self._noise.step(self.all if ids is None else ids)
         return self._judge(reward, ids)
+
+    def _scripted(
+        self, ids: Ids, generators: Sequence[np.random.Generator], drawn: list[ScenarioT]
+    ) -> list[ScenarioT]:
+        """Scenarios that episodes begin with, where something else says so."""
+        return drawn
 
     def _require_begun(self, ids: Ids | None) -> None:
         """Refuse to go on with what has not begun."""

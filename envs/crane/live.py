@@ -11,6 +11,7 @@ from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import Ids, none_of
 from ..episodes import Task
+from .changes import Changes
 from .disturbances import Disturbances, Scenario
 from .drive_band import PowerLimits
 from .lead import Line
@@ -30,6 +31,7 @@ class LiveTask(Task[CranePlan, Scenario]):
     """What is measured of the loads, None with encoders only."""
     _lines: dict[int, Line]
     _power: PowerLimits
+    _changes: Changes
 
     def reset(
         self,
@@ -149,7 +151,24 @@ class LiveTask(Task[CranePlan, Scenario]):
         self._told.begin(ids, scenarios)
         self.plant.change(ids, scenarios)
 
+    def _scripted(
+        self, ids: Ids, generators: Sequence[np.random.Generator], drawn: list[Scenario]
+    ) -> list[Scenario]:
+        each = zip(ids.tolist(), generators, drawn, strict=True)
+        return [self._changes.begin(*episode) for episode in each]
+
+    def _change(self, ids: Ids) -> None:
+        """Let plants change whose time has come."""
+        for sim in ids.tolist():
+            # Times are decimal numbers, as periods are: a rounding error must not make one late.
+            time = self.period * (float(self.steps[sim]) + 1e-6)
+            scenario = self._changes.due(sim, time)
+            if scenario is not None:
+                self.disturb([scenario], self.all[sim : sim + 1])
+
     def _advance(self, actions: Array, ids: Ids | None) -> Array:
+        if self._changes.any:
+            self._change(self.all if ids is None else ids)
         for sim in (self.all if ids is None else ids).tolist() if self._lines else ():
             if sim in self._lines and self._lines[sim].step == self.steps[sim]:
                 self.lead(np.zeros((1, len(self.rig.outputs))), self.all[sim : sim + 1])
@@ -179,12 +198,14 @@ class LiveTask(Task[CranePlan, Scenario]):
         more = super()._more(sim)
         if self.loads is not None:
             more["noise"] = self.loads.noise_of(sim)
+        more["changes"] = self._changes.coming(sim)
         if sim in self._lines:
             more["line"] = self._lines[sim]
         return more
 
     def _take_more(self, sim: int, more: Mapping[str, Any]) -> None:
         super()._take_more(sim, more)
+        self._changes.take(sim, more["changes"])
         self._lines.pop(sim, None)
         if "line" in more:
             self._lines[sim] = more["line"]

@@ -28,6 +28,7 @@ from ..gains import Gains, Track
 from ..rewards import NEAR
 from ..sensing import Observation
 from .along_plans import AlongPlans
+from .changes import Change, Changes, Script
 from .costs import Costs
 from .disturbances import Disturbances
 from .drive_band import PowerLimits, band_of
@@ -77,6 +78,8 @@ class CraneTask(LiveTask):
         Standard deviation of white noise on observations, in their scaled units.
     cost
         Whether `info` has a "cost" from 0 to 1, see `flatrig.envs.crane.costs`.
+    changes
+        How plants change during an episode, see `flatrig.envs.crane.changes`.
     massless
         Stands in for the mass of free pulleys that have none [kg], see `flatrig.models.compile`.
     nthread
@@ -107,6 +110,7 @@ class CraneTask(LiveTask):
         entries: Sequence[str] | None = None,
         noise: float = 0.0,
         cost: bool = False,
+        changes: Script | Sequence[Change] | None = None,
         massless: float | None = None,
         nthread: int | None = None,
     ) -> None:
@@ -132,6 +136,7 @@ class CraneTask(LiveTask):
         self.scales = self.plant.geometry.scales
         self._lines: dict[int, Line] = {}
         self._crane_costs: Costs | None = None
+        self._changes = Changes(changes, self.disturbances)
         self._power = PowerLimits(self.plant, self.limits)
         arms, band = levers(self.rig, self.scales), band_of(self.rig, self.period)
         given = given_drives(self.rig)
