@@ -226,8 +226,8 @@ def check(card: Card, task: AnyTask) -> None:
             f"the policy for {name} needs sensors={card.sensors!r}, the environment has "
             f"{task.sensors!r}"
         )
-    if tuple(task.action_names) != card.action_names:
+    if task.acting.names != card.action_names:
         raise OptionError(
             f"the policy for {name} acts on {', '.join(card.action_names)}, the environment on "
-            f"{', '.join(task.action_names)}"
+            f"{', '.join(task.acting.names)}"
         )

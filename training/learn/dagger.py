@@ -134,7 +134,7 @@ class Training:
         card = Card(
             plant=self.rig.name, fingerprint=fingerprint(self.rig), sensors=self.sensors,
             rate=1.0 / task.period, feature_names=self._features.names,
-            action_names=tuple(task.action_names), time_constants=settings.time_constants,
+            action_names=task.acting.names, time_constants=settings.time_constants,
             gains=tuple(self.room.gains.tolist()), units=tuple(self.units.tolist()),
             reach=settings.reach,
             usual=tuple(self.usual.tolist()), gate=settings.gate,

@@ -211,7 +211,7 @@ class HandTraining:
         card = Card(
             plant=self.hand.name, fingerprint=fingerprint_of(self.hand), sensors="encoders",
             rate=1.0 / task.period, feature_names=self._features.names,
-            action_names=tuple(task.action_names), time_constants=TIME_CONSTANTS,
+            action_names=task.acting.names, time_constants=TIME_CONSTANTS,
             gains=tuple(self.room.gains.tolist()), units=tuple(self.units.tolist()),
             reach=REACH, usual=tuple(self.usual.tolist()),
             gate=GATE, speeds=tuple(speeds.tolist()),

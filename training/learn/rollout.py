@@ -168,7 +168,7 @@ class Classroom:
                 notes.append((*(part.astype(np.float32) for part in note), going.copy()))
                 teacher.sent(sent)
             ids = None if going.all() else np.flatnonzero(going).astype(np.int32)
-            outcome = task.step(sent, ids)
+            outcome = task.step(task.acting.of_actions(sent), ids)
             score.count(going, outcome.terminated)
             going &= ~(outcome.terminated | outcome.truncated)
         columns = zip(*notes, strict=True) if notes else [()] * 5
