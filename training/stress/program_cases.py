@@ -42,7 +42,7 @@ def stepped(name: str, first: int) -> Finding:
     for number in range(first, first + TOGETHER):
         move = random_move(rig, np.random.default_rng([7, number]))
         smooth = replace(move, order=max(move.order, needed))
-        findings.append(_compared(rig, feedforward.from_move(smooth)))
+        findings.append(_compared(rig, feedforward.from_move(smooth, rig)))
     return worst(*findings)
 
 
@@ -57,7 +57,9 @@ def _compared(rig: models.Rig, reference: feedforward.Reference) -> Finding:
 
 def _steps(rig: models.Rig, reference: feedforward.Reference, times: Array) -> Array | None:
     try:
-        stepper = feedforward.Stepper(rig, reference.start, in_c=True)
+        resting = feedforward.base_at(reference, 0.0) is None
+        start = reference.start if resting else feedforward.solve(rig, reference, 0.0).at(0.0)
+        stepper = feedforward.Stepper(rig, start, in_c=True)
         derivatives = reference.derivatives(times, stepper.order).transpose(1, 0, 2)
         gaps = np.diff(times, prepend=times[0])
         pairs = zip(derivatives, gaps, strict=True)

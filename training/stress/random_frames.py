@@ -38,7 +38,7 @@ def boom_crane(dice: Dice) -> Rig:
 
 
 def _drawn(dice: Dice, count: int, *, planar: bool, trolley: bool) -> Rig:
-    frames = [_base(dice, planar)] if dice.maybe(0.2) else []
+    frames = _base(dice, planar) if dice.maybe(0.2) else []
     base = len(frames)
     for k in range(count):
         frames.append(_frame(dice, f"frame_{k}", frames[-1].name if frames else WORLD, planar))
@@ -72,10 +72,16 @@ def _drawn(dice: Dice, count: int, *, planar: bool, trolley: bool) -> Rig:
     )
 
 
-def _base(dice: Dice, planar: bool) -> Frame:
-    """A frame whose motion is given."""
+def _base(dice: Dice, planar: bool) -> list[Frame]:
+    """Frames whose motion is given: one that turns, perhaps on one that slides."""
     axis: Vector = (0.0, 1.0, 0.0) if planar else _unit(dice, planar)
-    return Frame("base", "turning", axis=axis, origin=_vector(dice, planar, 0.0, 1.0), given=True)
+    base = Frame("base", "turning", axis=axis, origin=_vector(dice, planar, 0.0, 1.0), given=True)
+    if dice.maybe():
+        return [base]
+    return [
+        Frame("sea", "sliding", axis=_unit(dice, planar), given=True),
+        replace(base, parent="sea"),
+    ]
 
 
 def _frame(dice: Dice, name: str, parent: str, planar: bool) -> Frame:
