@@ -130,11 +130,16 @@ class _Look:
 
 
 def _deciding(problem: Problem) -> list[int]:
-    """Multipliers of spans and links that stand in the matrix of a block."""
+    """Multipliers of spans and links that stand in the matrix of a block.
+
+    A pulley without mass may hang straight for an instant, where its own block has no solution but
+    a limit (Y 6.1.1).
+    """
     equations = problem.equations
     first = len(equations.names)
     pulls = {first + row for row in equations.with_role("span", "link")}
-    slopes = [slope for step in problem.steps for row in step.slopes for slope in row]
+    steps = (step for step in problem.steps if not step.loose)
+    slopes = [slope for step in steps for row in step.slopes for slope in row]
     return sorted(pulls & {j for slope in slopes for _, j in slope.terms})
 
 
