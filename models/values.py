@@ -228,8 +228,11 @@ def clean(part: Any) -> None:
         plain_name(f"{kind_of_part}: name", part.name)  # before any message takes it up
     owner = f"{kind_of_part} {getattr(part, 'name', getattr(part, 'at', ''))}"
     for item in fields(part):
-        label, value = f"{owner}: {item.name}", getattr(part, item.name)
         kind: Any = item.type
+        value = getattr(part, item.name)
+        if value is item.default or (type(value) is kind is float and abs(value) <= LARGEST):
+            continue  # as most are
+        label = f"{owner}: {item.name}"
         if kind is float:
             plain: object = number(label, value, endless="endless" in item.metadata)
         elif kind == float | None:
@@ -278,10 +281,8 @@ class Home(Mapping[str, float | Vector]):
         self._values: dict[str, float | Vector] = {}
         for name, value in values.items():
             label = f"{what} of {word(f'a name in {what}', name)}"
-            if is_number(value):
-                self._values[name] = number(label, value)
-            else:
-                self._values[name] = vector(label, value)
+            read = number if is_number(value) else vector
+            self._values[name] = read(label, value)
 
     def __getitem__(self, name: str) -> float | Vector:
         return self._values[name]
