@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ... import feedforward
+from ...feedforward.paths.waves import still
 from ...models.errors import FlatrigError, OptionError
 from ...models.values import as_number, shown
 from .. import options
@@ -45,7 +46,8 @@ class Drive:
         rig, move = replace(command, duration=None).target()  # which is not the move's here
         path = feedforward.from_move(move, rig)
         policy = Policy.load(command.policy) if command.policy else None
-        self.session = Session(rig, np.asarray(path.start), policy)
+        base = feedforward.base_at(path, 0.0)
+        self.session = Session(rig, np.asarray(still(path).start), policy, base)
         self.sketch = Sketch(self.session.task)
         self.folder = Path(command.output or f"results/drive-{command.label()}")
         self._strongest = STRONGEST * rig.weight

@@ -67,6 +67,8 @@ class Session:
         Outputs at which it rests at first, shape (outputs,).
     policy
         For the residual; by default the shipped one, if there is one.
+    base
+        How its base moves, if one does.
 
     Raises
     ------
@@ -74,15 +76,21 @@ class Session:
         The crane cannot be driven, or not from there, or the policy is not for it.
     """
 
-    def __init__(self, rig: Rig, start: Array, policy: Policy | None = None) -> None:
+    def __init__(
+        self,
+        rig: Rig,
+        start: Array,
+        policy: Policy | None = None,
+        base: feedforward.BaseMotion | None = None,
+    ) -> None:
         self.rig = rig
         found = (shipped(rig, sensors) for sensors in SENSORS)
         policy = policy or next((entry for entry in found if entry is not None), None)
         sensors = "encoders" if policy is None else policy.card.sensors
         rate = RATE if policy is None else policy.card.rate
         env = gym.make(
-            envs.OWN, rig=rig, reference=feedforward.hold(start, SHIFT), sensors=sensors,
-            rate=rate, hold=0.0, nthread=1, massless=stand_in(rig),
+            envs.OWN, rig=rig, reference=feedforward.at_sea(feedforward.hold(start, SHIFT), base),
+            sensors=sensors, rate=rate, hold=0.0, nthread=1, massless=stand_in(rig),
         )  # fmt: skip
         self.task: envs.CraneTask = env.unwrapped.task  # type: ignore[attr-defined]
         whole = base_controller(env)
