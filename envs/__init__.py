@@ -20,6 +20,7 @@ Importing this package registers them; `flatrig.envs.crane.task` documents the o
 import gymnasium as gym
 
 from ..models import CATALOGUE, HAND_CATALOGUE
+from .action_rate import ActionRate
 from .common import Outcome, Range
 from .controllers import PD, Feedforward, Residual
 from .crane.disturbances import Disturbances, Scenario, design
@@ -51,6 +52,7 @@ __all__ = [
     "OWN",
     "PD",
     "PID",
+    "ActionRate",
     "CraneEnv",
     "CraneTask",
     "CraneVectorEnv",

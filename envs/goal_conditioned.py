@@ -13,13 +13,11 @@ is put in its place in hindsight.  The reward is of the distance alone:
 so that `compute_reward` knows it for any goal.  `info` has "is_success".
 """
 
-from dataclasses import replace
 from fnmatch import fnmatchcase
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
-from gymnasium.envs.registration import EnvSpec, WrapperSpec
 from gymnasium.spaces import Box, Dict
 from gymnasium.vector import VectorEnv, VectorWrapper
 from gymnasium.vector.utils import batch_space
@@ -30,6 +28,7 @@ from ..models.types import Array, Mask
 from ..models.values import bounded
 from .episodes import AnyTask
 from .laws import AnyEnv, task_of
+from .remembering import Above
 
 OF_THE_WAY = ("*.error", "*.rate_error", "*.mean_error", "*.ahead_*", "left")
 """Entries of observations that tell of the reference."""
@@ -96,22 +95,12 @@ class Goals:
         return np.asarray(self.distance(achieved, desired) <= reach)
 
 
-class _Conditioned:
+class _Conditioned(Above):
     """What single and vector environments with goals have in common."""
 
-    env: Any
     goals: Goals
-    _within: float | None
 
-    @property
-    def spec(self) -> EnvSpec | None:
-        """The environment's, with its goals."""
-        below: EnvSpec | None = self.env.spec
-        if below is None:
-            return None
-        name, options = GoalConditioned.__name__, {"within": self._within}
-        own = WrapperSpec(name, f"{__name__}:{name}", options)
-        return replace(below, additional_wrappers=(*below.additional_wrappers, own))
+    _function = __name__, "GoalConditioned"
 
     @property
     def observation_names(self) -> tuple[str, ...]:
@@ -129,7 +118,7 @@ class GoalEnv(_Conditioned, gym.Wrapper[Any, Any, Any, Any]):  # type: ignore[ov
 
     def __init__(self, env: gym.Env[Any, Any], within: float | None) -> None:
         super().__init__(env)
-        self.goals, self._within = Goals(task_of(env), within), within
+        self.goals, self._options = Goals(task_of(env), within), {"within": within}
         self.observation_space = self.goals.space(env.observation_space)  # type: ignore[arg-type]
 
     def reset(
@@ -160,7 +149,7 @@ class GoalVectorEnv(_Conditioned, VectorWrapper[Any, Any, Any, Any, Any]):  # ty
 
     def __init__(self, env: VectorEnv[Any, Any, Any], within: float | None) -> None:
         super().__init__(env)
-        self.goals, self._within = Goals(task_of(env), within), within
+        self.goals, self._options = Goals(task_of(env), within), {"within": within}
         self.single_observation_space = self.goals.space(env.single_observation_space)  # type: ignore[arg-type]
         self.observation_space = batch_space(self.single_observation_space, env.num_envs)
 

@@ -19,13 +19,11 @@ It reads what is measured off `task.encoders`, and what is planned off `task.row
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
-from gymnasium.envs.registration import EnvSpec, WrapperSpec
 from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 from numpy.typing import ArrayLike, NDArray
 
@@ -62,7 +60,7 @@ class Law(ABC):
         return ()
 
 
-class Controller(Remembering, gym.Wrapper[Any, Any, Any, Any]):
+class Controller(Remembering, gym.Wrapper[Any, Any, Any, Any]):  # type: ignore[override]
     """A law in front of a single environment; `options` make the same controller again."""
 
     def __init__(
@@ -72,11 +70,6 @@ class Controller(Remembering, gym.Wrapper[Any, Any, Any, Any]):
         self.law, self._options = law, dict(options or {})
         self._task = task = task_of(env)
         self._expected = (len(task.action_names),), task.action_names
-
-    @property
-    def spec(self) -> EnvSpec | None:  # type: ignore[override]
-        """What `gym.make` makes an environment with the same controllers of."""
-        return _spec_with(self.env.spec, self.law, self._options)
 
     def step(self, action: ArrayLike) -> Any:
         """Hand down what the law makes of the action."""
@@ -111,7 +104,9 @@ class Controller(Remembering, gym.Wrapper[Any, Any, Any, Any]):
         self._recall(state, 0)
 
 
-class VectorController(Remembering, VectorWrapper[Any, Any, Any, Any, Any]):
+class VectorController(  # type: ignore[override]
+    Remembering, VectorWrapper[Any, Any, Any, Any, Any]
+):
     """A law in front of a vector environment; `options` make the same controller again."""
 
     def __init__(
@@ -123,11 +118,6 @@ class VectorController(Remembering, VectorWrapper[Any, Any, Any, Any, Any]):
         base: Any = env.unwrapped
         names = task.action_names
         self._expected = (task.num, len(names)), names, lambda: base.over
-
-    @property
-    def spec(self) -> EnvSpec | None:  # type: ignore[override]
-        """What `flatrig.envs.make_vec` makes a vector with the same controllers of."""
-        return _spec_with(self.env.spec, self.law, self._options)
 
     @property
     def autoreset_mode(self) -> AutoresetMode:
@@ -142,7 +132,7 @@ class VectorController(Remembering, VectorWrapper[Any, Any, Any, Any, Any]):
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> Any:
         """Begin episodes, or go on with some."""
         states = options.get("states") if isinstance(options, Mapping) else None
-        states = list(states) if isinstance(states, Sequence) else []
+        states = list(states) if isinstance(states, Iterable) else []
         mask = np.ones(len(states), bool) if states else None
         if states and options is not None and options.get("reset_mask") is not None:
             mask = options["reset_mask"]
@@ -173,14 +163,6 @@ class VectorController(Remembering, VectorWrapper[Any, Any, Any, Any, Any]):
         self._below.set_state(states, ids)
         for sim, state in zip(range(self.num_envs) if ids is None else ids, states, strict=True):
             self._recall(state, int(sim))
-
-
-def _spec_with(below: EnvSpec | None, law: Law, options: dict[str, Any]) -> EnvSpec | None:
-    """The spec of what is below a controller, with the controller."""
-    if below is None:
-        return None
-    wrapper = WrapperSpec(law.name, f"{type(law).__module__}:{law.name}", options)
-    return replace(below, additional_wrappers=(*below.additional_wrappers, wrapper))
 
 
 def task_of(env: AnyEnv) -> AnyTask:
@@ -217,6 +199,11 @@ def wrap(env: AnyEnv, law: Law, **options: Any) -> Controller | VectorController
     OptionError
         `env` is neither a crane nor a hand, or its actions are no inputs.
     """
+    layer: Any = env
+    while layer is not layer.unwrapped:
+        if getattr(layer, "lasts", False):
+            raise OptionError(f"{law.name} would act at the rate of ActionRate; put that on top")
+        layer = layer.env
     if not task_of(env).takes_inputs:
         raise OptionError(
             f'{law.name} adds inputs, and the actions with reference="operator" are velocities; '

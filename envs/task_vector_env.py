@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from ..models.errors import OptionError
 from ..models.types import Array, Mask
 from ..models.values import shown
-from .common import Ids
+from .common import Ids, Outcome
 from .infos import with_masks
 from .option_checks import check_alone, check_options, mode_of, seed_of
 from .rendering import View
@@ -58,6 +58,8 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
     ) -> None:
         self.autoreset_mode = mode_of(autoreset_mode)
         """When the next episode begins."""
+        self.still: Mask | None = None
+        """Who stands still in a period that is a part of a longer step, see `ActionRate`."""
         self._show(task, render_mode, ("rgb_array",), view or View())
         self.metadata["autoreset_mode"] = self.autoreset_mode
         self.num_envs = num_envs = task.num
@@ -112,19 +114,32 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
         OptionError
             As `Task.step`, or an episode is over and nothing resets it.
         """
-        task, going = self.task, None
-        waiting = np.flatnonzero(self.over).astype(np.int32)
+        outcome = self._go(actions)
+        told = outcome.reward, outcome.terminated, outcome.truncated
+        return self.told(*told) if self.still is None else (self.task.observation(), *told, {})
+
+    def _go(self, actions: ArrayLike) -> Outcome:
+        """Go on by a control period, and begin what waits for it."""
+        still = np.zeros(self.num_envs, bool) if self.still is None else self.still
+        waiting, going = np.flatnonzero(self.over & ~still).astype(np.int32), None
         if waiting.size:
             self._must_reset(waiting)
-            going = np.flatnonzero(~self.over).astype(np.int32)
-        outcome = task.step(actions, going)
+        if waiting.size or still.any():
+            going = np.flatnonzero(~(self.over | still)).astype(np.int32)
+        outcome = self.task.step(actions, going)
         self._begin(waiting)
-        last: dict[str, Any] = {}
+        return outcome
+
+    def told(
+        self, reward: Array, terminated: Mask, truncated: Mask
+    ) -> tuple[Array, Array, Mask, Mask, dict[str, Any]]:
+        """What a step says that has given such rewards and ends, (n,) each."""
+        task, last = self.task, {}
         if self.autoreset_mode is AutoresetMode.SAME_STEP and self.over.any():
             last = self._last()
             self._begin(np.flatnonzero(self.over).astype(np.int32))
         info = with_masks(task.info(), np.ones(self.num_envs, bool)) | last
-        return task.observation(), outcome.reward, outcome.terminated, outcome.truncated, info
+        return task.observation(), reward, terminated, truncated, info
 
     def _must_reset(self, waiting: Ids) -> None:
         """Refuse to go on where nobody begins new episodes."""

@@ -1,5 +1,7 @@
 """Cranes with goals in their observations, and hindsight experience replay with them."""
 
+import copy
+
 import gymnasium as gym
 import numpy as np
 import pytest
@@ -43,8 +45,13 @@ def test_rewards_halve_where_tracking_does_and_are_sparse_on_request():
     )
     rewards = env.compute_reward([[0.09, 0.0], [0.0, 0.11]], np.zeros((2, 2)), None)
     assert rewards.tolist() == [0.0, -1.0]
-    again = gym.make(env.spec)
+    env.reset(seed=0)
+    again, twin = gym.make(env.spec), copy.deepcopy(env)
     assert again.compute_reward([0.09, 0.0], [0.0, 0.0], {}) == 0.0
+    again.reset(options={"state": env.get_state()})
+    seen = [one.step(np.zeros(2))[0]["achieved_goal"] for one in (env, again, twin)]
+    assert np.array_equal(seen[0], seen[1])
+    assert np.array_equal(seen[0], seen[2])
 
 
 @pytest.mark.parametrize("mode", gym.vector.AutoresetMode)
