@@ -195,7 +195,7 @@ def test_a_stream_leads_the_load_while_the_ship_goes_on():
     for move in (MOVE, replace(MOVE, frame="ship")):
         base = base_at(from_move(move, SHIP), 0.0)
         stream = feedforward.Stream(SHIP, MOVE.start, base=base, rate=20.0)
-        samples = [stream.tick((-0.3, 0.2, 0.1, 1.0, 1.0, 1.0)) for _ in range(14)]
+        samples = [stream.tick((-0.3, 0.2, 0.1, 1.0, 1.0, 1.0)) for _ in range(10)]
         times = np.array([sample.time for sample in samples])
         motion = solve(SHIP, stream.reference, times, begin=stream.begin)
         positions = np.array([sample.positions for sample in samples])
@@ -206,7 +206,7 @@ def test_a_stream_leads_the_load_while_the_ship_goes_on():
         back = base_at(stream.reference, stream.time).added(
             state.derivatives[:, None], np.zeros(1), back=True
         )
-        assert np.linalg.norm(back[1, 0, :3]) > 0.02
+        assert np.linalg.norm(back[1, 0, :3]) > 0.005
         assert_allclose(back[:, 0], state.still, rtol=0, atol=1e-12)
         assert np.abs(state.still[1, 3:]).max() < 1e-12
 
@@ -267,7 +267,7 @@ def test_formulations_step_through_a_moving_base(formulation):
     if reason := dae.why_not(SHIP, formulation):
         assert re.search("has no dependent coordinates|its index is 5", reason)
         return
-    path = from_move(SHORT)
+    path = from_move(replace(SHORT, duration=3.0))
     errors = []
     for step in (0.1, 0.05):
         run = feedforward.integrate(SHIP, path, step=step, formulation=formulation, scheme="BDF 3")
@@ -276,7 +276,7 @@ def test_formulations_step_through_a_moving_base(formulation):
         if dae.formulation(SHIP, formulation).index <= 3:  # places follow without a difference
             assert_allclose(run.motion.positions, exact.positions, rtol=0, atol=1e-9)
         away = np.abs(run.motion.inputs - exact.inputs) / np.abs(exact.inputs).max(axis=0)
-        errors.append(np.abs(away[run.motion.times < 2.0]).max())
+        errors.append(np.abs(away[run.motion.times < 1.5]).max())
     assert errors[1] < max(0.25 * errors[0], 1e-9)
 
 
