@@ -1,8 +1,8 @@
 """Specs of environments as plain values, so that they can be written as JSON and read again.
 
-A `Rig` becomes its TOML text, with the move where a `Move` is the reference; ranges of disturbances
-their names and numbers; modes and paths texts.  What has no such form, a function that draws, stays
-what it is, and Gymnasium's `to_json` refuses it.
+A `Rig` becomes its TOML text, with the move where a `Move` is the reference; a `HandMove` and
+ranges of disturbances become names and numbers; modes and paths texts.  What has no such form, a
+function that draws or a `Hand`, stays what it is, and environments are not made of its JSON.
 """
 
 from collections.abc import Mapping
@@ -49,6 +49,9 @@ def _plain(value: object) -> object:
         return fspath(value)
     if isinstance(value, Ranges) and not value.added:
         return {item.name: getattr(value, item.name) for item in fields(value)}
+    if isinstance(value, models.HandMove):
+        changed = [item for item in fields(value) if getattr(value, item.name) != item.default]
+        return {item.name: getattr(value, item.name) for item in changed}
     if isinstance(value, Mapping):
         return {name: _plain(own) for name, own in value.items()}
     return value

@@ -1,11 +1,13 @@
 """Moves of hands for episodes: the default one, a given one, or goals drawn near the default."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ...feedforward.rolling.carried import carried_by
+from ...models.arguments import keywords_of, known_keywords
 from ...models.errors import OptionError
 from ...models.hand.catalogue import HAND_CATALOGUE, default_hand_move, make_hand
 from ...models.hand.hand import Hand
@@ -14,7 +16,9 @@ from ...models.values import shown
 from ..plans import Planner
 from .plan import HandPlan, make_hand_plan
 
-HandReference = HandMove | Callable[[np.random.Generator], HandMove] | str | None
+HandReference = (
+    HandMove | Mapping[str, Any] | Callable[[np.random.Generator], HandMove] | str | None
+)
 
 DURATION = 2.0
 """Duration of the default moves in environments [s]."""
@@ -51,6 +55,9 @@ class HandPlanner(Planner[HandPlan]):
 
     def __init__(self, hand: Hand, option: HandReference, period: float, hold: float) -> None:
         self._hand = hand
+        if isinstance(option, Mapping):  # from a spec in JSON
+            known_keywords("a HandMove has no", option, keywords_of(HandMove), OptionError)
+            option = HandMove(**option)
         super().__init__(option, period, hold)
 
     def default(self) -> HandMove:

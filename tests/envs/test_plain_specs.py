@@ -34,6 +34,18 @@ def test_a_spec_in_json_makes_the_same_environment(options):
     assert np.array_equal(env.step(action)[0], again.step(action)[0])
 
 
+def test_a_hands_move_goes_through_json_too():
+    move = models.HandMove(goal=(0.1,), duration=2.5)
+    env = gym.make("flatrig/TwoFingerHand-v0", reference=move)
+    spec = EnvSpec.from_json(env.spec.to_json())
+    assert spec.kwargs["reference"] == {"goal": [0.1], "duration": 2.5, "start": [0.0]}
+    again = gym.make(spec)
+    assert np.array_equal(env.reset(seed=1)[0], again.reset(seed=1)[0])
+    assert again.unwrapped.task.planner.fixed.steps == env.unwrapped.task.planner.fixed.steps
+    with pytest.raises(models.OptionError, match="a HandMove has no 'gaol'; did you mean goal"):
+        gym.make("flatrig/TwoFingerHand-v0", reference={"gaol": (0.1,)})
+
+
 def test_a_vectors_spec_keeps_its_mode_and_its_rig():
     vector = gym.make_vec(
         envs.OWN, num_envs=2, rig=CRANE, reference=MOVE, autoreset_mode=AutoresetMode.SAME_STEP
