@@ -17,16 +17,15 @@ A regulator that is too sure of its model fails on a plant that is another one. 
 to be three periods late, one more than the longest of the standard disturbances, count with inputs
 that are off by a tenth or a fifth of the limits, and with forces of no model on the load.
 
-One that asks for more than drives have is unstable too, where they are weak: there softer ones take
-over (`softening`).
+One that asks for more than drives have, or than `TautGuard` lets pass, is unstable too: there
+softer ones take over (`softening`).
 
-Limits: the linear models are those of the rig's own mass.  Weights and times are for ropes of some
-metres: on the luffing crane's 26 m `change` and `patience` must be slower.  With wind among what
-the filter believes, one crane of three got better and the rotary one let ropes go slack.
+Limits: the linear models are those of the rig's own mass.  With wind among what the filter
+believes, one crane of three got better and the rotary one let ropes go slack.
 """
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +46,7 @@ from .optimal_feedback import Weights
 from .outputs import levers
 from .softening import Softening
 from .task import CraneTask
+from .taut_guard import GuardLaw
 
 DELAY = 3
 """Control periods that the regulator takes commands to be late."""
@@ -60,8 +60,11 @@ PATIENCE = 1.0
 CALM = 0.002, 3.0
 """The two where a free pulley hangs in space: light, it swings between its ropes faster than a
 regulator that is late can follow, and linear models of it hold nearby only."""
-SOFTER = 1.0, 0.4, 0.15, 0.05, 0.015
+SOFTER = 1.0, 0.4, 0.15, 0.05, 0.015, 0.005
 """Changes of commands of all regulators, over the stiffest's, see `softening`."""
+SLOWER = -1.0 / 3.0
+"""Power of these with which patience grows: a mass that a force moves by its rate is regulated in a
+time that goes with the cube root, and an integral that hurries ahead of that swings it up."""
 SWINGS = 3.0
 """Time before a stiffer regulator is taken again, over that in which a load swings by a radian."""
 SWAY = 0.1
@@ -76,16 +79,32 @@ NOISE = {
 more likely their own friction."""
 
 
+class Below(NamedTuple):
+    """What stands below a regulator."""
+
+    feedback: PDLaw
+    """Whose place it takes."""
+    guard: GuardLaw | None
+    """What lets pass no more than keeps ropes taut."""
+
+    def limits(self, task: CraneTask) -> tuple[Array, Array]:
+        """Lowest and highest command that reaches the drives, (n, drives) each."""
+        if self.guard is not None:
+            return self.guard.band()
+        shape = task.num, len(task.limits)
+        return np.broadcast_to(task.band.lowest, shape), np.broadcast_to(task.band.highest, shape)
+
+
 class LQRLaw(Law):
     """u = m s - K z - L I instead of the PD below."""
 
     name = "LQR"
 
     def __init__(
-        self, task: CraneTask, loads: LoadSensors | None, feedback: PDLaw, weights: Weights
+        self, task: CraneTask, loads: LoadSensors | None, below: Below, weights: Weights
     ) -> None:
-        self._task, self._loads, self._feedback = task, loads, feedback
-        self._patience, drives = weights.patience, len(task.limits)
+        self._task, self._loads, self._below = task, loads, below
+        drives = len(task.limits)
         lineariser = lineariser_for(task)
         noise = NOISE["encoders" if loads is None else task.sensors]
         errors, self._late = np.full(drives, noise.drives), np.zeros(drives, bool)
@@ -127,8 +146,8 @@ class LQRLaw(Law):
         commands = (planned + heavier)[:, None] - np.matvec(
             gains.feedback, np.hstack(known)[:, None]
         )
-        wanted = self._softening.choose(commands, fresh) - planned
-        return np.asarray(actions + wanted - self._feedback.feedback())
+        wanted = self._softening.choose(commands, *self._below.limits(task), fresh) - planned
+        return np.asarray(actions + wanted - self._below.feedback.feedback())
 
     def _remember(self, fresh: Mask) -> None:
         """Take in what was sent beyond the feedforward; nothing was before `fresh` episodes."""
@@ -152,7 +171,7 @@ class LQRLaw(Law):
         task = self._task
         free = (np.abs(task.commands) < 1.0).all(axis=1, keepdims=True)
         self._sum[fresh] = 0.0
-        self._sum -= free * (task.period / self._patience) * self._gains.outputs * loads.errors
+        self._sum -= free * task.period * self._gains.outputs * loads.errors
         return self._sum
 
 
@@ -184,7 +203,7 @@ def LQR(env: AnyEnv, *, change: float | None = None, patience: float | None = No
         A number is not > 0, `env` is no crane, has no load sensors or lacks `PD` or `Feedforward`,
         or an `LQR`, `Observer`, `SwingDamping`, `MassEstimate` or `Residual` stands below.
     """
-    task, feedback = _below(env, "LQR")
+    task, below = _below(env, "LQR")
     if task.loads is None:
         raise OptionError(
             'LQR needs load sensors; make the environment with sensors="sway" or "full", or take '
@@ -193,7 +212,7 @@ def LQR(env: AnyEnv, *, change: float | None = None, patience: float | None = No
     own = usual(task.rig)
     change = bounded("change", own[0] if change is None else change, above=0)
     patience = bounded("patience", own[1] if patience is None else patience, above=0, unit="s")
-    law = LQRLaw(task, task.loads, feedback, _weights(task, change, patience))
+    law = LQRLaw(task, task.loads, below, _weights(task, change, patience))
     return wrap(env, law, change=change, patience=patience)
 
 
@@ -213,9 +232,9 @@ def Observer(env: AnyEnv, *, change: float | None = None) -> Any:
         A number is not > 0, `env` is no crane or lacks `PD` or `Feedforward`, or an `LQR`,
         `Observer`, `SwingDamping`, `MassEstimate` or `Residual` stands below.
     """
-    task, feedback = _below(env, "Observer")
+    task, below = _below(env, "Observer")
     change = bounded("change", usual(task.rig)[0] if change is None else change, above=0)
-    law = ObserverLaw(task, None, feedback, _weights(task, change, 0.0))
+    law = ObserverLaw(task, None, below, _weights(task, change, 0.0))
     return wrap(env, law, change=change)
 
 
@@ -228,11 +247,12 @@ def usual(rig: Rig) -> tuple[float, float]:
 def _weights(task: CraneTask, change: float, patience: float) -> Weights:
     """Costs of the stiffest regulator and of the softer ones."""
     usual = Weights.of(task.rig, task.scales)
-    return replace(usual, change=change * np.array(SOFTER), patience=patience, sway=SWAY)
+    softer = np.array(SOFTER)
+    return replace(usual, change=change * softer, patience=patience * softer**SLOWER, sway=SWAY)
 
 
-def _below(env: AnyEnv, name: str) -> tuple[CraneTask, PDLaw]:
-    """The task, and the feedback below whose place a regulator takes.
+def _below(env: AnyEnv, name: str) -> tuple[CraneTask, Below]:
+    """The task, and what a regulator needs of the controllers below it.
 
     Raises
     ------
@@ -250,4 +270,5 @@ def _below(env: AnyEnv, name: str) -> tuple[CraneTask, PDLaw]:
             f"{name} needs feedforward and PD towards the moving reference below; "
             f"take {name}(Feedforward(PD(env)))"
         )
-    return task, feedback
+    guard = next((law for law in laws if isinstance(law, GuardLaw)), None)
+    return task, Below(feedback, guard)

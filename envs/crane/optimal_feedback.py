@@ -14,8 +14,8 @@ Outputs count in metres, angles times their lever.  Where some outputs are coord
 crane carries, the others (a free pulley's height, a spread) count by `other`.
 
 Disturbances that are expected, constant ones and gusts that go round, are `Disturbance`.  Who does
-not know them takes integrals of the outputs into the state instead, I' = I + period / patience
-times outputs, each of which costs as much as its output does.
+not know them takes integrals of the outputs into the state instead, I' = I + period outputs, and
+cost = ... + |I / patience|^2.
 """
 
 from dataclasses import dataclass
@@ -56,8 +56,8 @@ class Weights:
     """Of a command in one period, over the limits; one for each course, (P,), if they differ."""
     reach: float = 0.0
     """How far trolleys go at the most, for the cost near the ends of rails [m]."""
-    patience: float = 0.0
-    """Time in which a lasting error counts once more [s]; without integrals if 0."""
+    patience: float | Array = 0.0
+    """Time in which a lasting error counts once more [s], likewise; without integrals if 0."""
 
     @classmethod
     def of(cls, rig: Rig, scales: Scales) -> Self:
@@ -149,7 +149,7 @@ def regulator(
 
     def stage(step: int) -> Stage:
         late = _late(model, step, delays, outputs, weights, expected)
-        if not weights.patience:
+        if not np.any(weights.patience):
             return late
         return _with_integrals(late, model.at(step)[3] * outputs[:, None], model, weights.patience)
 
@@ -204,16 +204,20 @@ def _late(
     return Stage(full, inputs, forces, expected.drift, cost, change)
 
 
-def _with_integrals(stage: Stage, scaled: Array, model: LinearModel, patience: float) -> Stage:
+def _with_integrals(
+    stage: Stage, scaled: Array, model: LinearModel, patience: float | Array
+) -> Stage:
     """The systems with an integral of each scaled output, (P, outputs, joints), at the end."""
     count, size = stage.transition.shape[:2]
     rows, joints = scaled.shape[1:]
     longer = np.zeros((count, size + rows, size + rows))
     longer[:, :size, :size] = stage.transition
-    longer[:, size:, :joints] = model.period / patience * scaled
+    longer[:, size:, :joints] = model.period * scaled
     longer[:, size:, size:] = np.eye(rows)
     cost = np.zeros_like(longer)
-    cost[:, :size, :size], cost[:, size:, size:] = stage.state_cost, np.eye(rows)
+    costs = np.broadcast_to(1.0 / np.square(patience), count)
+    cost[:, :size, :size] = stage.state_cost
+    cost[:, size:, size:] = costs[:, None, None] * np.eye(rows)
     inputs, disturbances = (
         np.pad(part, ((0, 0), (0, rows), (0, 0))) for part in (stage.inputs, stage.disturbances)
     )

@@ -39,13 +39,15 @@ class Softening:
         """What is chosen, and for how long stiffer ones would do, live arrays (n,)."""
         return self.chosen, self._waited
 
-    def choose(self, commands: Array, fresh: Mask) -> Array:
+    def choose(self, commands: Array, lowest: Array, highest: Array, fresh: Mask) -> Array:
         """Take note of the present commands of all, and give those of the chosen ones.
 
         Parameters
         ----------
         commands
             Over the limits, of regulators from stiff to soft, (n, regulators, drives).
+        lowest, highest
+            What drives can give, (n, drives) each.
         fresh
             Simulations that begin.
 
@@ -54,7 +56,8 @@ class Softening:
         Array
             Those to send, (n, drives).
         """
-        within = np.asarray((np.abs(commands) <= 1.0).all(axis=2))
+        above, below = lowest[:, None] <= commands, commands <= highest[:, None]
+        within = np.asarray((above & below).all(axis=2))
         within[:, -1] = True
         needed = within.argmax(axis=1)
         self.chosen[fresh], self._waited[fresh] = 0, 0.0

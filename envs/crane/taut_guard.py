@@ -83,6 +83,8 @@ class GuardLaw(Law):
 
     def __init__(self, task: CraneTask) -> None:
         self._band = TautBand(task)
+        self.band = self._band.band
+        """Lowest and highest action that passes, (n, drives) each."""
 
     def apply(self, actions: Array) -> Array:
         """Keep the action within the band."""

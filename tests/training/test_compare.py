@@ -182,6 +182,7 @@ def test_a_platform_is_judged_by_place_and_orientation(
     out = " ".join(capsys.readouterr().out.split())
     assert "turned by" in out or "turned" in out
     assert "no policy is shipped for cable_manipulator" in out
+    assert "left out: swing damping, sway: " in out
     facts = json.loads((tmp_path / "summary.json").read_text())
     assert facts["controllers"]["feedforward"]["turn"]["mean"] < 1e-3
 

@@ -145,11 +145,9 @@ def compare(
             write_trajectories(keep, entry.name, record, episodes)
         return {name: run_of(entry, part) for name, part in parts_of(record, episodes)}
 
-    driven, absent = drive_all(
-        "crane", drive, policies, bar, lambda entry: entry.platforms or not rig.platforms
-    )
+    driven = drive_all("crane", drive, policies, bar)
     sets = {
-        name: OnSet(SETS[name].title, chosen, [runs[name] for runs in driven])
+        name: OnSet(SETS[name].title, chosen, [runs[name] for runs in driven.runs])
         for name, chosen in episodes.items()
     }
     first = next(iter(sets.values()))
@@ -163,7 +161,8 @@ def compare(
         scenarios=scenarios,
         arrival=feedforward.from_move(first.episodes[0].move, rig).duration,
         runs=first.runs,
-        absent=absent,
+        absent=driven.absent,
+        refused=driven.refused,
         columns=(*COLUMNS, TURN) if turned else COLUMNS,
         cells={
             "settled": lambda metrics: str(int(metrics.settled.sum())),

@@ -137,7 +137,7 @@ def compare(
             entry = replace(entry, wrap=partial(entry.wrap, policy=policies[entry.sensors]))
         return drive(env(entry.sensors), entry, scenarios, move.duration)
 
-    runs, absent = drive_all("hand", driven, policies, bar=bar)
+    done = drive_all("hand", driven, policies, bar=bar)
     return Comparison(
         kind="hand",
         name=hand.name,
@@ -145,8 +145,9 @@ def compare(
         units=UNITS,
         scenarios=scenarios,
         arrival=move.duration,
-        runs=runs,
-        absent=absent,
+        runs=done.runs,
+        absent=done.absent,
+        refused=done.refused,
         columns=COLUMNS,
         cells={"worst end\n[mm], [deg]": _worst, "reached": _reached, "ended\nearly": _endings},
         notes=f"Move: {move.duration:g} s.  {NOTES}"

@@ -54,8 +54,6 @@ class Contender:
     """Whether it needs a policy that was trained with these sensors."""
     emphasis: bool = False
     """Whether its row stands out."""
-    platforms: bool = True
-    """Whether it can drive cranes that carry platforms."""
 
 
 CONTENDERS: dict[str, Contender] = {}
@@ -155,7 +153,6 @@ for sensors in SENSORS[1:]:
         plants=("crane",),
         sensors=sensors,
         emphasis=True,
-        platforms=False,
     )(with_swing_damping)
     contender(f"LQR, {sensors}", plants=("crane",), sensors=sensors, emphasis=True)(with_regulator)
 

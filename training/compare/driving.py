@@ -1,11 +1,12 @@
 """Driving the scenarios of a comparison: all of them at once, with one contender after another."""
 
 from collections.abc import Callable, Container, Iterator, Sequence
-from typing import Any, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from rich.progress import track
 
+from ...models.errors import OptionError
 from ...models.types import Mask
 from ..console import console
 from .contenders import Contender, Plant, contenders_for
@@ -13,26 +14,48 @@ from .contenders import Contender, Plant, contenders_for
 Driven = TypeVar("Driven")
 
 
+class AllDriven(NamedTuple, Generic[Driven]):
+    """What contenders did, and which of them could do nothing."""
+
+    runs: list[Driven]
+    """Of every contender that could run."""
+    absent: list[Contender]
+    """Learned contenders without the policy that they need."""
+    refused: dict[str, str]
+    """Names of contenders that do not bear this rig or hand, and why."""
+
+
 def drive_all(
     plant: Plant,
     drive: Callable[[Contender], Driven],
     policies: Container[str] = (),
     bar: bool = True,
-    suits: Callable[[Contender], bool] = lambda entry: True,
-) -> tuple[list[Driven], list[Contender]]:
-    """What every contender for a plant did, and those left out.
+) -> AllDriven[Driven]:
+    """Drive with every contender for a plant.
 
-    Contenders that do not suit are not told of.  Those left out are the learned ones whose sensors
-    are not among those with `policies`.  A terminal shows a bar of progress meanwhile, unless there
-    is to be none.
+    Learned ones whose sensors are not among those with `policies` are left out.  A terminal shows a
+    bar of progress meanwhile, unless there is to be none.
+
+    Raises
+    ------
+    OptionError
+        No contender bears it.
     """
-    contenders = [entry for entry in contenders_for(plant) if suits(entry)]
+    contenders = contenders_for(plant)
     absent = [entry for entry in contenders if entry.learned and entry.sensors not in policies]
     running = [entry for entry in contenders if entry not in absent]
     out = console(stderr=True)
     hidden = not (bar and out.is_terminal)
-    entries = track(running, "Driving", transient=True, console=out, disable=hidden)
-    return [drive(entry) for entry in entries], absent
+    runs: list[Driven] = []
+    refused: dict[str, str] = {}
+    for entry in track(running, "Driving", transient=True, console=out, disable=hidden):
+        try:
+            runs.append(drive(entry))
+        except OptionError as error:
+            refused[entry.name] = str(error)
+    if not runs:
+        raise OptionError(next(iter(refused.values())))
+    return AllDriven(runs, absent, refused)
 
 
 def periods(

@@ -61,6 +61,8 @@ def show(comparison: Comparison, folder: Path) -> None:
     if comparison.absent:
         names = " and ".join(contender.name for contender in comparison.absent)
         out.print(f"without a policy: {names}", style="dim", soft_wrap=True)
+    for name, reason in comparison.refused.items():
+        out.print(f"left out: {name}: {reason}", style="dim", soft_wrap=True)
     for run in comparison.runs:
         if many and comparison.relative and run.contender.learned:
             middle, interval = comparison.changes[run.name].scaled(100.0).format(1, sign="+")
@@ -121,6 +123,7 @@ def summary(comparison: Comparison) -> dict[str, Any]:
             for run in runs
         },
         "absent": [contender.name for contender in comparison.absent],
+        "refused": comparison.refused,
         "residual": comparison.residual,
     }
     if comparison.relative:

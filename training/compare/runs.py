@@ -80,6 +80,8 @@ class Comparison:
     """One for each contender that could run."""
     absent: Sequence[Contender]
     """Contenders without the policy that they need."""
+    refused: Mapping[str, str]
+    """Names of contenders that do not bear the rig or hand, and why."""
     columns: Sequence[Column]
     """Columns of the table with an interval."""
     cells: Mapping[str, Callable[[Any], str | Text]]
