@@ -17,8 +17,8 @@ A regulator that is too sure of its model fails on a plant that is another one. 
 to be three periods late, one more than the longest of the standard disturbances, count with inputs
 that are off by a tenth or a fifth of the limits, and with forces of no model on the load.
 
-One that asks for more than drives have, or than `TautGuard` lets pass, is unstable too: there
-softer ones take over (`softening`).
+One that asks for more than drives have, or most of the time for more than `TautGuard` lets pass, is
+unstable too: there softer ones take over (`softening`).
 
 Limits: the linear models are those of the rig's own mass.  With wind among what the filter
 believes, one crane of three got better and the rotary one let ropes go slack.
@@ -65,8 +65,6 @@ SOFTER = 1.0, 0.4, 0.15, 0.05, 0.015, 0.005
 SLOWER = -1.0 / 3.0
 """Power of these with which patience grows: a mass that a force moves by its rate is regulated in a
 time that goes with the cube root, and an integral that hurries ahead of that swings it up."""
-SWINGS = 3.0
-"""Time before a stiffer regulator is taken again, over that in which a load swings by a radian."""
 SWAY = 0.1
 """Deviation of a joint that does [m, rad]: below a drive that is held a load swings as a pendulum,
 whatever its mass; one that yields swings with it."""
@@ -117,7 +115,8 @@ class LQRLaw(Law):
         states = 2 * lineariser.model.nv
         self.filter = KalmanFilter(task.num, states, noise, errors, task.period)
         """What it believes of the crane's state."""
-        self._softening = Softening(task.num, SWINGS * task.scales.time / task.period)
+        swing = task.scales.time / task.period
+        self._softening = Softening(task.num, len(SOFTER), swing)
         self._sum = np.zeros((task.num, len(task.rig.outputs)))
         self._sent = np.zeros((task.num, DELAY, drives))
 

@@ -5,6 +5,10 @@ that go from stiff to soft, n simulations follow the stiffest whose commands are
 and a stiffer one again only after its commands would have been for some time: in one swing they
 are, whenever the load passes through the middle.
 
+Something below may let less pass than the limits, as what keeps ropes taut does.  What that cuts
+for a moment does no harm, a winch catches up; a regulator that it cuts most of the time is no
+longer the one that was designed, and a softer one is followed.
+
 This is piecewise-linear LQ control (Wredenhagen, Belanger 1994), with time in the place of nested
 ellipsoids.
 """
@@ -16,6 +20,13 @@ from numpy.typing import NDArray
 
 from ...models.types import Array, Mask
 
+SWINGS = 3.0
+"""Time before a stiffer regulator is taken again, over that in which a load swings by a radian."""
+MOMENT = 0.5
+"""Time constant over which it counts how often commands are cut, over the same."""
+OFTEN = 0.5
+"""Share of the time that they may be."""
+
 
 class Softening:
     """The choice of n simulations.
@@ -24,20 +35,23 @@ class Softening:
     ----------
     num
         Number of simulations.
-    wait
-        Control periods in which stiffer commands must have been within the limits.
+    regulators
+        Number of regulators.
+    swing
+        Control periods in which a load swings by a radian.
     """
 
-    def __init__(self, num: int, wait: float) -> None:
-        self._wait = wait
+    def __init__(self, num: int, regulators: int, swing: float) -> None:
+        self._wait, self._moment = SWINGS * swing, -np.expm1(-1.0 / (MOMENT * swing))
         self._waited = np.zeros(num)
+        self._cut = np.zeros((num, regulators))
         self.chosen = np.zeros(num, dtype=np.int64)
         """Index of each simulation's regulator, 0 the stiffest, (n,)."""
 
     @property
     def memory(self) -> tuple[NDArray[Any], ...]:
-        """What is chosen, and for how long stiffer ones would do, live arrays (n,)."""
-        return self.chosen, self._waited
+        """What is chosen, for how long stiffer ones would do, and how often all are cut, live."""
+        return self.chosen, self._waited, self._cut
 
     def choose(self, commands: Array, lowest: Array, highest: Array, fresh: Mask) -> Array:
         """Take note of the present commands of all, and give those of the chosen ones.
@@ -47,7 +61,7 @@ class Softening:
         commands
             Over the limits, of regulators from stiff to soft, (n, regulators, drives).
         lowest, highest
-            What drives can give, (n, drives) each.
+            What is let pass, (n, drives) each.
         fresh
             Simulations that begin.
 
@@ -56,8 +70,10 @@ class Softening:
         Array
             Those to send, (n, drives).
         """
-        above, below = lowest[:, None] <= commands, commands <= highest[:, None]
-        within = np.asarray((above & below).all(axis=2))
+        cut = ((commands < lowest[:, None]) | (commands > highest[:, None])).any(axis=2)
+        self._cut[fresh] = 0.0
+        self._cut += self._moment * (cut - self._cut)
+        within = np.asarray((np.abs(commands) <= 1.0).all(axis=2)) & (self._cut <= OFTEN)
         within[:, -1] = True
         needed = within.argmax(axis=1)
         self.chosen[fresh], self._waited[fresh] = 0, 0.0

@@ -98,9 +98,11 @@ def bend(rig, path, duration):
     return light - 2.0 * own + heavy
 
 
-@pytest.mark.parametrize(
-    "name", [name for name in models.CATALOGUE if name not in ("navy_crane_3d", DOUBLE)]
-)
+PULLEY = "navy_crane_3d", "navy_ship_crane"
+"""Rigs whose free pulley bends the way of the force in space."""
+
+
+@pytest.mark.parametrize("name", sorted({*models.CATALOGUE} - {*PULLEY, DOUBLE}))
 def test_the_feedforward_is_affine_in_the_mass(name):
     """No part between load and drives bends the way of the force."""
     rig, move = models.make(name), models.default_move(name)
@@ -127,11 +129,12 @@ def test_a_hook_that_keeps_its_mass_bends_the_way_of_the_force_as_much_as_by_han
     assert found[[1, 0]] == pytest.approx(by_hand, rel=0.06)
 
 
-def test_a_pulley_bends_the_way_of_the_force_as_much_as_it_weighs():
-    move = models.default_move("navy_crane_3d")
+@pytest.mark.parametrize("name", PULLEY)
+def test_a_pulley_bends_the_way_of_the_force_as_much_as_it_weighs(name):
+    move = models.default_move(name)
     path = feedforward.from_move(move)
     heavy, light = (
-        np.abs(bend(models.make("navy_crane_3d", pulley_mass=mass), path, move.duration)).max()
+        np.abs(bend(models.make(name, pulley_mass=mass), path, move.duration)).max()
         for mass in (5.0, 0.05)
     )
     assert 0.01 * heavy == pytest.approx(light, rel=0.2)

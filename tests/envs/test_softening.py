@@ -8,7 +8,7 @@ import pytest
 import flatrig.envs as envs
 from flatrig import feedforward, models
 from flatrig.envs.crane import lqr
-from flatrig.envs.crane.softening import Softening
+from flatrig.envs.crane.softening import SWINGS, Softening
 
 TOWER = Path(__file__).parents[2] / "docs" / "how-to" / "tower_crane.toml"
 CALM, STRONG, WILD = 0.5, 1.5, 9.0
@@ -16,7 +16,7 @@ LIMITS = -np.ones((3, 2)), np.ones((3, 2))
 
 
 def test_softer_ones_are_taken_at_once_and_stiffer_ones_after_a_while():
-    softening, fresh = Softening(3, wait=2), np.zeros(3, bool)
+    softening, fresh = Softening(3, 3, swing=2 / SWINGS), np.zeros(3, bool)
     chosen = []
     for size in (CALM, STRONG, CALM, CALM, CALM, WILD, CALM):
         # Of one regulator the second asks for a half, the third for a tenth; the others are calm.
@@ -32,10 +32,26 @@ def test_softer_ones_are_taken_at_once_and_stiffer_ones_after_a_while():
 
 
 def test_the_softest_sends_what_it_asks_for_even_beyond_limits():
-    softening = Softening(1, wait=2)
+    softening = Softening(1, 2, swing=2 / SWINGS)
     one, fresh = np.ones((1, 1)), np.zeros(1, bool)
     assert softening.choose(np.full((1, 2, 1), WILD), -one, one, fresh) == WILD
     assert softening.chosen == 1
+
+
+def test_what_is_cut_for_a_moment_does_no_harm_what_is_cut_often_does():
+    softening, fresh = Softening(1, 2, swing=20.0), np.zeros(1, bool)
+    commands, most = np.array([[[CALM], [0.1]]]), np.full((1, 1), 0.3)
+
+    def chosen(periods, commands):
+        for _ in range(periods):
+            softening.choose(commands, -most, most, fresh)
+        return softening.chosen[0]
+
+    # A time constant of ten periods: half of it is reached after ten times ln 2 of them.
+    assert chosen(6, commands) == 0
+    assert chosen(2, 0.1 * commands) == 0
+    assert chosen(1, commands) == 0
+    assert chosen(7, commands) == 1
 
 
 @pytest.mark.parametrize("knows", [True, False])
