@@ -244,7 +244,8 @@ def test_a_comparison_on_several_sets(
             ]
             assert score["rmse"]["mean"] == pytest.approx(np.mean(mine))
             assert len(mine) == entry["episodes"]
-    kept = np.load(tmp_path / "trajectories/ff-pd.npz")
+    with np.load(tmp_path / "trajectories/ff-pd.npz") as file:
+        kept = dict(file)
     assert kept["set"].tolist() == [OWN, OWN, "reversed", "random"]
     own = np.isfinite(kept["load"][:, 0, 0])
     assert own.sum() * PERIOD == pytest.approx(2.0 + 4.0)
