@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from ... import feedforward
+from ...feedforward.paths.waves import base_at
 from ...models.mjcf import rig_model
 from ...models.rig.rig import Rig
 from ...models.types import Array
@@ -19,14 +20,14 @@ class Course(NamedTuple):
     load_mass: float
     """Of its payloads over the rig's."""
     states: Array
-    """Joints and rates at every step until arrival, shape (steps + 1, 2 joints)."""
+    """Joints and rates at every step until arrival or the end, shape (steps + 1, 2 joints)."""
     inputs: Array
     """Inputs over their limits for the holds that begin there, shape (steps + 1, drives)."""
 
 
 def planned(rig: Rig, model: mujoco.MjModel, plan: CranePlan, load_mass: float = 1.0) -> Course:
     """The motion of a rig that carries `load_mass` times its load, from the plan's first row on
-    until it has arrived.
+    until it has arrived, or to the plan's end where a base moves on.
 
     Raises
     ------
@@ -34,7 +35,9 @@ def planned(rig: Rig, model: mujoco.MjModel, plan: CranePlan, load_mass: float =
         The rig with such a load cannot follow the plan's path.
     """
     true = rig if load_mass == 1.0 else reloaded(rig, load_mass)
-    last = int(np.ceil(plan.reference.duration / plan.period)) + 2
+    still = base_at(plan.reference, 0.0) is None
+    until = plan.reference.duration if still else plan.period * plan.steps
+    last = int(np.ceil(until / plan.period)) + 2
     instants = plan.period * np.arange(plan.since, max(last, plan.since + 2))
     middles = instants + 0.5 * plan.period
     motion = feedforward.solve(true, plan.reference, np.concatenate((instants, middles)))

@@ -1,5 +1,7 @@
 """Controllers that see the load: what they are worth, and that they are the same side by side."""
 
+from dataclasses import replace
+
 import gymnasium as gym
 import numpy as np
 import pytest
@@ -201,3 +203,21 @@ def test_platforms_do_not_swing_as_pendulums() -> None:
 )
 def test_regulators_are_softer_where_they_must_be(name, change):
     assert usual(models.make(name))[0] == change
+
+
+def test_the_gains_go_on_with_the_sea():
+    """A crane on a ship is another one in every phase of the sea: held with the gains of the
+    instant of its arrival, its free pulley swings up within two seconds."""
+    rig, move = models.make("navy_ship_crane"), models.default_move("navy_ship_crane")
+    places = (2.65, 5.38, 6.48), (6.5, 3.04, 5.4)
+    start, goal = ((*place, *move.start[3:]) for place in places)
+    path = feedforward.from_move(replace(move, start=start, goal=goal, duration=13.04), rig)
+    env = envs.CraneVectorEnv(
+        rig, num_envs=1, sensors="full", reference=path, hold=6.0, timestep=5e-3, nthread=1
+    )
+    env = lqr(env)
+    env.reset(seed=0)
+    still = np.zeros(env.action_space.shape)
+    infos = [env.step(still)[4] for _ in range(920)]
+    far = np.array([np.linalg.norm(info["load"] - info["reference"]) for info in infos])
+    assert far.max() < 0.01
