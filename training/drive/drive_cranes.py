@@ -204,6 +204,7 @@ class Drive:
         return {
             "rig": rig.name,
             "outputs": list(rig.outputs),
+            "given": [frame.coordinate for frame in rig.frames if frame.given],
             "drives": list(rig.input_names),
             "units": [feedforward.driven_unit(rig, drive) for drive in rig.drives],
             "limits": task.limits.tolist(),

@@ -41,6 +41,7 @@ const sliders = about.outputs.map((name, i) => {
   row.innerHTML = `<span></span><input type="range" min="-1" max="1" step="any" value="0">
     <output></output><span class="keys">${keys}</span>`;
   row.firstChild.textContent = name;
+  if (about.given.includes(name)) row.style.display = "none";  // the sea moves it
   const slider = row.querySelector("input");
   slider.dataset.output = name;
   slider.addEventListener("input", () => { dragged[i] = Number(slider.value); });
