@@ -82,10 +82,14 @@ class Features:
             self._slow = np.zeros((num, len(self._shares), kept))
         return self._slow, *self._more()
 
+    def now(self, fresh: Mask) -> list[Array]:
+        """The signals alone, (n, entries) each, to be read once a control period."""
+        self._prepare(fresh)
+        return [signal.read() for signal in self._signals]
+
     def look(self, fresh: Mask) -> Array:
         """Take the signals in, and forget the past of simulations whose episode is `fresh`."""
-        self._prepare(fresh)
-        now = [signal.read() for signal in self._signals]
+        now = self.now(fresh)
         kept = [
             values for values, signal in zip(now, self._signals, strict=True) if signal.remembered
         ]

@@ -57,14 +57,20 @@ class Solve(RigOptions):
     """Write it even if the rig cannot make the move."""
 
 
-@command(crane=".describe.write_source:main")
+@command(crane=".describe.write_source:main", hand=".describe.write_policy:of_a_hand")
 class Export(RigOptions):
-    """Write exact feedforward as source for a controller, which tests itself with the move."""
+    """Write exact feedforward, which tests itself with the move, or a policy, for a controller."""
 
     c: Target = ""
-    """C99 file to write, its header beside it; or - for standard output."""
+    """C99 file of the feedforward to write, its header beside it; or - for standard output."""
     python: Target = ""
-    """Python file to write, or -."""
+    """Python file of the feedforward to write, or -."""
+    onnx: Target = ""
+    """ONNX file of a trained policy to write (needs the extra onnx), or -."""
+    sensors: Literal["encoders", "sway", "full"] = "encoders"
+    """Sensors of that policy."""
+    policy: str = ""
+    """Policy to write (.json); the shipped one for the sensors if left out."""
 
 
 @command(

@@ -38,10 +38,10 @@ def test_c_goes_to_a_pipe(capsys):
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        (["overhead"], "say what to write: --c FILE.c or --python FILE.py"),
+        (["overhead"], "say what to write: --c FILE.c, --python FILE.py or --onnx FILE.onnx"),
         (["overhead", "--c", "crane.txt"], "--c is crane.txt, it must end in .c"),
         (["overhead", "--python", "crane"], "--python is crane, it must end in .py"),
-        (["ball-in-corner", "--c", "hand.c"], "is a hand; this command is for cranes only"),
+        (["ball-in-corner", "--c", "hand.c"], "is a hand; --c and --python are for cranes only"),
         (["navy-2d", "--set", "pulley_mass=0", "--c", "n.c"], "as where a pulley without mass"),
     ],
 )

@@ -1,23 +1,22 @@
-"""`flatrig export`: a crane's exact feedforward as source for a controller."""
+"""`flatrig export`: a crane's exact feedforward as source for a controller, and its policy."""
 
 from pathlib import Path
 
 from ... import feedforward
-from ...models.errors import OptionError
 from ...models.files import STANDARD_OUTPUT, write_text
 from .. import options
 from ..console import console
+from .write_policy import check, write_policy
 
 
 def main(command: options.Export) -> None:
-    """Write what is asked for: C with its header, or Python."""
-    if not command.c and not command.python:
-        raise OptionError("say what to write: --c FILE.c or --python FILE.py")
-    for name, suffix in (("c", ".c"), ("python", ".py")):
-        path = getattr(command, name)
-        if path and path != STANDARD_OUTPUT and Path(path).suffix != suffix:
-            raise OptionError(f"--{name} is {path}, it must end in {suffix}")
+    """Write what is asked for: C with its header, Python, or a policy."""
+    check(command)
     rig, move = command.target()
+    if command.onnx:
+        write_policy(command, rig)
+    if not command.c and not command.python:
+        return
     reference = feedforward.from_move(move, rig)
     out = console()
     if command.c:
