@@ -17,9 +17,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...feedforward.rolling import ContactForces, HandMotion, JointForces, joint_forces, plan_hand
-from ...feedforward.rolling.grasp import split
+from ...feedforward.rolling.grasp import Factors, factors, split
 from ...models.errors import PathError
 from ...models.hand.hand import Finger, Hand, Tip
 from ...models.hand.move import HandMove
@@ -98,16 +99,25 @@ def make_hand_plan(hand: Hand, move: HandMove, period: float, hold: float) -> Ha
     """
     plan = plan_hand(hand, move)
     steps = max(1, round((move.duration + hold) / period))
-    motion = plan(period * np.arange(steps + 1 + max(1, *steps_ahead(period))))
-    grip, squeeze = gripped(motion)
+    instants = np.arange(steps + 1 + max(1, *steps_ahead(period)))
+    # From the first instant after arrival on all are alike, and computed once.
+    own = instants[: int(move.duration / period) + 3]
+    motion = plan(period * own, turns=False, judged=False)
+    known = factors(motion)
+    grip, squeeze = gripped(motion, known)
     moving = joint_forces(motion, grip)
     _within_limits(motion, moving)
-    middles = 0.5 * (moving.values[: steps + 1] + moving.values[1 : steps + 2])
-    now = _at(motion, slice(0, steps + 1))
-    still = _resting(now)
-    grip_at_rest = _squeezed(still, squeeze, *split(still))
-    holding = joint_forces(still, grip_at_rest).values / moving.limits
-    positions, rates = drive_motion(motion)
+    motion = replace(motion, tip_turns=plan.turns(period * own))  # takes longest, so last
+    still = _resting(motion)
+    grip_at_rest = _squeezed(still, squeeze, *split(still, known))
+    inputs = joint_forces(still, grip_at_rest).values
+    positions, rates = (values[np.minimum(instants, own[-1])] for values in drive_motion(motion))
+    episode = np.minimum(instants[: steps + 1], own[-1])
+    following = moving.values[np.minimum(instants[1 : steps + 2], own[-1])]
+    middles = 0.5 * (moving.values[episode] + following)
+    holding = inputs[episode] / moving.limits
+    times = np.asarray(period * instants[: steps + 1], dtype=np.float64)
+    now = replace(_at(motion, episode), times=times)
     rows = hand_layout(hand).table(
         period,
         positions,
@@ -118,8 +128,9 @@ def make_hand_plan(hand: Hand, move: HandMove, period: float, hold: float) -> Ha
         holding=holding,
     )
     start = Start(now.position[0], now.rotation[0], now.finger_positions[0], grip_at_rest.normal[0])
-    inputs = holding[0] * moving.limits
-    return HandPlan(rows, inputs, positions[-1].copy(), holding[-1], start, now, period)
+    return HandPlan(
+        rows, holding[0] * moving.limits, positions[-1].copy(), holding[-1], start, now, period
+    )
 
 
 def _squeezed(motion: HandMotion, squeeze: float, least: Array, internal: Array) -> ContactForces:
@@ -129,15 +140,15 @@ def _squeezed(motion: HandMotion, squeeze: float, least: Array, internal: Array)
     return ContactForces(motion, (least + inner).reshape(motion.normals.shape))
 
 
-def gripped(motion: HandMotion) -> tuple[ContactForces, float]:
-    """Contact forces of a motion, and how hard they squeeze [N].
+def gripped(motion: HandMotion, known: Factors | None = None) -> tuple[ContactForces, float]:
+    """Contact forces of a motion, and how hard they squeeze [N]; `known` as of `split`.
 
     Raises
     ------
     PathError
         No forces at the contacts give what the motion needs, or they use too much friction.
     """
-    hand, parts = motion.hand, split(motion)
+    hand, parts = motion.hand, split(motion, known)
     weight = hand.held.mass * float(np.linalg.norm(hand.gravity))
     best, chosen, squeeze = np.inf, None, 0.0
     for force in weight * np.array(SQUEEZES):
@@ -183,7 +194,7 @@ def _within_limits(motion: HandMotion, moving: JointForces) -> None:
         )
 
 
-def _at(motion: HandMotion, which: slice) -> HandMotion:
+def _at(motion: HandMotion, which: NDArray[np.integer[Any]]) -> HandMotion:
     """Some instants of a motion."""
     count = len(motion.times)
     arrays: dict[str, Any] = {

@@ -10,7 +10,7 @@ in space; K prints B with contact points in the object's axes, which is B only w
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -122,21 +122,46 @@ def grasp_matrix(motion: HandMotion) -> Array:
     return both.transpose(0, 2, 1, 3).reshape(count, 6, 3 * fingers)
 
 
-def split(motion: HandMotion) -> tuple[Array, Array]:
+class Factors(NamedTuple):
+    """B with moments over the object's radius, and its singular value decomposition."""
+
+    matrix: Array
+    """B, (N, 6, 3 fingers)."""
+    u: Array
+    sizes: Array
+    vt: Array
+
+    def at(self, which: Any) -> "Factors":
+        """Those of some instants."""
+        return Factors(*(part[which] for part in self))
+
+
+def factors(motion: HandMotion) -> Factors:
+    """Factors of all instants; B is decomposed once where contacts stay where they are."""
+    moved = (motion.normals[1:] != motion.normals[:-1]).any(axis=(1, 2))
+    places = np.flatnonzero(np.concatenate(([True], moved))[: len(motion.normals)])
+    matrix = grasp_matrix(motion)
+    matrix[:, 3:] /= motion.hand.held.radius
+    if motion.hand.planar:
+        matrix[:, [1, 3, 5]] = 0.0
+        matrix[:, :, 1::3] = 0.0
+    kept = Factors(matrix[places], *np.linalg.svd(matrix[places]))
+    return kept.at(np.searchsorted(places, np.arange(len(matrix)), side="right") - 1)
+
+
+def split(motion: HandMotion, known: Factors | None = None) -> tuple[Array, Array]:
     """Forces of least norm (N, 3 fingers), and bases Z of the internal ones, (N, 3 fingers, k).
+
+    `known` are the factors of the motion's contacts, found anew if left out.
 
     Raises
     ------
     PathError
         No forces at the contacts give the wrench that the motion needs.
     """
-    matrix, right = grasp_matrix(motion), wrench(motion)
-    matrix[:, 3:] /= motion.hand.held.radius
+    matrix, u, sizes, vt = factors(motion) if known is None else known
+    right = wrench(motion)
     right[:, 3:] /= motion.hand.held.radius
-    if motion.hand.planar:
-        matrix[:, [1, 3, 5]] = 0.0
-        matrix[:, :, 1::3] = 0.0
-    u, sizes, vt = np.linalg.svd(matrix)
     weak = sizes < RANK_TOLERANCE
     gain = np.where(weak, 0.0, 1.0 / np.where(weak, 1.0, sizes))
     count = sizes.shape[1]

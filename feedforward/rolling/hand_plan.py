@@ -14,6 +14,7 @@ turns of the tips, and the stated error is theirs.
 A plan refuses what the hand cannot do when it is made: see `limits`.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -30,6 +31,7 @@ from .carried import Carried, carried_by
 from .hand_motion import HandMotion
 from .limits import check_limits
 from .orientation import AboutAxis, ByAngles, Turning
+from .progress import share
 from .quadrature import integrate
 from .tips import FixedTip, TurningTip, tip_paths
 from .with_spin import WithSpin, with_spin
@@ -58,8 +60,11 @@ class HandPlan:
     carried: Carried
     """How the object's centre moves."""
 
-    def __call__(self, times: ArrayLike) -> HandMotion:
+    def __call__(self, times: ArrayLike, *, turns: bool = True, judged: bool = True) -> HandMotion:
         """The motion at times (N,) [s]; before 0 and after the duration it rests.
+
+        Integrals take most of the time: those of turning tips are left out without `turns`, which
+        are then zero, and their error is not looked for unless `judged`, and not a number then.
 
         Raises
         ------
@@ -67,15 +72,14 @@ class HandPlan:
             A time is not a number.
         """
         times = check_times(times)
-        rotation = self.turning.rotation(times)
+        part, rotation = share(self.move, times), self.turning.rotation(times)
         rate = angular_velocity(rotation)
-        swept, error = self._swept(times)
+        swept, error = self._swept(times, judged)
         whole = np.stack((swept, rate[0], rate[1] / 2))
         position = self.carried.position(times, whole)
         shape = (len(times), len(self.hand.fingers), 3)
         places = np.zeros((3, *shape))
-        normals, turns = np.zeros(shape), np.zeros(shape)
-        spinning = np.zeros((2, *shape))
+        normals, spinning = np.zeros(shape), np.zeros((2, *shape))
         for i, finger in enumerate(self.hand.fingers):
             if isinstance(finger.surface, Plate):
                 normals[:, i] = finger.contact
@@ -84,21 +88,26 @@ class HandPlan:
                 places[:, :, i] = position + away
                 continue
             tip = self.tips[finger.name]
-            direction = tip.direction(times, rotation)
+            direction = tip.direction(part, rotation)
             normals[:, i] = direction[0]
             places[:, :, i] = position + (self.hand.held.radius + tip.radius) * direction
             if isinstance(tip, TurningTip):
                 spinning[:, :, i] = tip.spinning(direction, rate)
-                tip_rate = partial(self._tip_rate, tip)
-                turns[:, i], tip_error = integrate(tip_rate, times, self.move.duration)
-                error = max(error, tip_error)
+        turned = np.zeros(shape)
+        if turns:
+            turned, tip_error = self._turned(times, judged)
+            error = float(np.maximum(error, tip_error))
         return HandMotion(
             self.hand, self.move, times,
             position[0], position[1], 2 * position[2],
             rotation[0], rate[0], rate[1],
             normals, places[0], places[1], 2 * places[2],
-            spinning[0], spinning[1], turns, error, self.notes,
+            spinning[0], spinning[1], turned, error, self.notes,
         )  # fmt: skip
+
+    def turns(self, times: ArrayLike) -> Array:
+        """How far tips have turned, (N, fingers, 3), as a motion says it that is made with it."""
+        return self._turned(check_times(times), judged=False)[0]
 
     def velocities(self, times: ArrayLike) -> tuple[Array, Array, Array]:
         """Generalized velocities without any integral.
@@ -107,33 +116,49 @@ class HandPlan:
         (N, fingers, 3).
         """
         times = check_times(times)
-        rotation = self.turning.rotation(times)
+        part, rotation = share(self.move, times), self.turning.rotation(times)
         rate = angular_velocity(rotation)
         position = self.carried.position(times, np.stack((0 * rate[0], rate[0], rate[1] / 2)))
         tips = np.zeros((len(times), len(self.hand.fingers), 3))
         for i, name in enumerate(self.hand.finger_names):
             tip = self.tips.get(name)
             if isinstance(tip, TurningTip):
-                tips[:, i] = tip.spinning(tip.direction(times, rotation), rate)[0]
+                tips[:, i] = tip.spinning(tip.direction(part, rotation), rate)[0]
         return position[1], rate[0], tips
 
-    def _swept(self, times: Array) -> tuple[Array, float]:
+    def _swept(self, times: Array, judged: bool) -> tuple[Array, float]:
         """Integral of the object's angular velocity (N, 3), and its error; 0 without plates."""
         if isinstance(self.turning, WithSpin):
             return self.turning.swept(times), 0.0
         if len(self.tips) == len(self.hand.fingers):
             return np.zeros((len(times), 3)), 0.0
-        return integrate(self._rate, times, self.move.duration)
+        return integrate(self._rate, times, self.move.duration, judged)
+
+    def _turned(self, times: Array, judged: bool) -> tuple[Array, float]:
+        """Integrals of the tips' angular velocities (N, fingers, 3), and their error."""
+        turned, error = np.zeros((len(times), len(self.hand.fingers), 3)), 0.0
+        tips = {k: tip for k, tip in self._by_finger.items() if isinstance(tip, TurningTip)}
+        if tips:
+            rates = partial(self._tip_rates, tips.values())
+            found, error = integrate(rates, times, self.move.duration, judged)
+            turned[:, list(tips)] = found.reshape(len(times), len(tips), 3)
+        return turned, error
+
+    @property
+    def _by_finger(self) -> dict[int, FixedTip | TurningTip]:
+        """Tips by the fingers' places in the order of all arrays."""
+        names = enumerate(self.hand.finger_names)
+        return {k: self.tips[name] for k, name in names if name in self.tips}
 
     def _rate(self, times: Array) -> Array:
         """Angular velocity of the object at times (N,), shape (N, 3)."""
-        return np.asarray(angular_velocity(self.turning.rotation(times))[0])
+        return np.asarray(angular_velocity(self.turning.rotation(times, 2))[0])
 
-    def _tip_rate(self, tip: TurningTip, times: Array) -> Array:
-        """Angular velocity of a tip at times (N,), shape (N, 3)."""
-        rotation = self.turning.rotation(times)
-        direction = tip.direction(times, rotation)
-        return np.asarray(tip.spinning(direction, angular_velocity(rotation))[0])
+    def _tip_rates(self, tips: Iterable[TurningTip], times: Array) -> Array:
+        """Angular velocities of tips at times (N,), shape (N, 3 tips)."""
+        part, rotation = share(self.move, times, 2), self.turning.rotation(times, 2)
+        rate = angular_velocity(rotation)
+        return np.hstack([tip.spinning(tip.direction(part, rotation), rate)[0] for tip in tips])
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
@@ -177,7 +202,8 @@ def plan_hand(hand: Hand, move: HandMove) -> HandPlan:
     turning = _turning_of(hand, move)
     tips = tip_paths(hand, move, turning)
     plan = HandPlan(hand, move, turning, tips, carried_by(hand, move))
-    check_limits(plan(np.linspace(0.0, move.duration, CHECKED)))
+    times = np.linspace(0.0, move.duration, CHECKED)
+    check_limits(plan(times, turns=False, judged=False))
     return plan
 
 

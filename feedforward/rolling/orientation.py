@@ -28,8 +28,8 @@ class Turning(Protocol):
     def note(self) -> str:
         """How the path departs from its recipe; empty if it does not."""
 
-    def rotation(self, times: Array) -> Array:
-        """Taylor series of the rotation, shape (ORDERS, N, 3, 3)."""
+    def rotation(self, times: Array, orders: int = ORDERS) -> Array:
+        """Taylor series of the rotation, shape (orders, N, 3, 3)."""
 
 
 @dataclass(frozen=True)
@@ -39,9 +39,9 @@ class ByAngles:
     move: HandMove
     note: str = ""
 
-    def rotation(self, times: Array) -> Array:
+    def rotation(self, times: Array, orders: int = ORDERS) -> Array:
         """See `Turning`."""
-        part = share(self.move, times)
+        part = share(self.move, times, orders)
         return rpy_matrix(between(np.array(self.move.start), np.array(self.move.goal), part))
 
 
@@ -60,19 +60,22 @@ class AboutAxis:
         turn = rotation_of(self.move.goal) @ rotation_of(self.move.start).T
         return np.asarray(Rotation.from_matrix(turn).as_rotvec())
 
-    def turned(self, times: Array, factor: float) -> Array:
-        """Rotation about the same axis by `factor` times the angle, (ORDERS, N, 3, 3)."""
-        return about_axis(factor * self.vector, share(self.move, times))
+    def turned(self, part: Array, factor: float) -> Array:
+        """Rotation about the same axis by `factor` times the angle, (orders, N, 3, 3).
 
-    def rotation(self, times: Array) -> Array:
+        Takes the series of the share of the move that is done, (orders, N).
+        """
+        return about_axis(factor * self.vector, part)
+
+    def rotation(self, times: Array, orders: int = ORDERS) -> Array:
         """See `Turning`."""
-        return self.turned(times, 1.0) @ rotation_of(self.move.start)
+        return self.turned(share(self.move, times, orders), 1.0) @ rotation_of(self.move.start)
 
 
 def in_axes(rotation: Array, axes: Axes | None) -> Array:
     """Series of a rotation times the constant one of other axes of the object, if any."""
     if axes is None:
         return rotation
-    series = np.zeros((ORDERS, 1, 3, 3))
+    series = np.zeros((len(rotation), 1, 3, 3))
     series[0] = axes
     return matmul(rotation, series)

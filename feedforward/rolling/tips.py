@@ -13,7 +13,6 @@ from ...models.types import Array
 from ..series.products import apply, between, cross, derivative, dot, product, quotient
 from ..series.rotation import rotation_of, sine_cosine
 from .orientation import AboutAxis, Turning
-from .progress import share
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,11 +28,14 @@ class FixedTip:
     turning: AboutAxis
     """The object's turn."""
 
-    def direction(self, times: Array, rotation: Array) -> Array:
-        """Series (orders, N, 3) of the direction to the contact, in space."""
+    def direction(self, part: Array, rotation: Array) -> Array:
+        """Series (orders, N, 3) of the direction to the contact, in space.
+
+        Takes the series of the share of the move that is done, and of the object's rotation.
+        """
         del rotation  # the turn itself is known
         factor = self.object_radius / (self.object_radius + self.radius)
-        return self.turning.turned(times, factor) @ self.start
+        return self.turning.turned(part, factor) @ self.start
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,14 +50,11 @@ class TurningTip:
     """(azimuth, latitude) of the contact in the object's axes at the beginning [rad]."""
     goal: tuple[float, float]
     """The same at the end [rad]."""
-    move: HandMove
-    """The move, whose duration and order the contact shares."""
     missing: Array | None
     """The direction about which a tip with two axes cannot turn, (3,); None with three axes."""
 
-    def direction(self, times: Array, rotation: Array) -> Array:
-        """Series (orders, N, 3) of the direction to the contact, in space."""
-        part = share(self.move, times)
+    def direction(self, part: Array, rotation: Array) -> Array:
+        """Series (orders, N, 3) of the direction to the contact, in space; see `FixedTip`."""
         angles = between(np.array(self.start), np.array(self.goal), part)
         (sine, cosine), (height, level) = (sine_cosine(angles[..., i]) for i in (0, 1))
         own = np.stack((product(level, cosine), product(level, sine), height), axis=-1)
@@ -104,7 +103,7 @@ def tip_paths(hand: Hand, move: HandMove, turning: Turning) -> dict[str, FixedTi
             start = own_start or _angles(finger.contact)
             goal = move.contacts[i] if move.contacts else start
             missing = np.cross(*np.array(surface.axes)) if len(surface.axes) == 2 else None
-            paths[finger.name] = TurningTip(surface.radius, radius, start, goal, move, missing)
+            paths[finger.name] = TurningTip(surface.radius, radius, start, goal, missing)
             continue
         if not isinstance(turning, AboutAxis):
             raise PathError(

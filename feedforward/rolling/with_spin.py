@@ -141,10 +141,11 @@ class WithSpin:
         y = self.radius * (product(theta, sf) - product(level, cf)) - y2[:ORDERS]
         return np.stack((phi, theta, psi), axis=-1), np.stack((x, y), axis=-1)
 
-    def rotation(self, times: Array) -> Array:
+    def rotation(self, times: Array, orders: int = ORDERS) -> Array:
         """See `Turning`."""
-        part = share(self.move, times)
-        return in_axes(rpy_matrix(compose(self._states(part[0])[0], part)), self.axes)
+        part = share(self.move, times, orders)
+        angles = compose(self._states(part[0])[0][:orders], part)
+        return in_axes(rpy_matrix(angles), self.axes)
 
     def swept(self, times: Array) -> Array:
         """Integral of the angular velocity, as far as the contact point shows it, (N, 3)."""

@@ -26,7 +26,7 @@ from ...models.types import Array
 from ..series.products import derivative, product
 from ..series.rotation import angular_velocity, rotation_of, rpy_angles, rpy_matrix, sine_cosine
 from .orientation import Axes, in_axes
-from .progress import share
+from .progress import ORDERS, share
 
 LARGEST_THETA = math.radians(80.0)
 """Largest theta at an end [rad]; beyond it phi and psi turn fast while the object hardly does."""
@@ -95,9 +95,9 @@ class WithoutSpin:
         a0 = last - b0 * end - b2 * end**3 / 3
         return (a0, b0 + b2 * end**2, -b2 * end, b2 / 3)
 
-    def angles(self, times: Array) -> Array:
-        """Series of (phi, theta, psi) in the axes, (ORDERS, N, 3)."""
-        part = share(self.move, times)
+    def angles(self, times: Array, orders: int = ORDERS) -> Array:
+        """Series of (phi, theta, psi) in the axes, (orders, N, 3)."""
+        part = share(self.move, times, orders)
         theta = part * (self.goal[1] - self.start[1])
         theta[0] += self.start[1]
         away = theta.copy()
@@ -113,15 +113,15 @@ class WithoutSpin:
         phi[1:] = rate / np.arange(1, len(psi))[:, None]
         return np.stack((phi, theta, psi), axis=-1)
 
-    def rotation(self, times: Array) -> Array:
+    def rotation(self, times: Array, orders: int = ORDERS) -> Array:
         """See `Turning`."""
-        return in_axes(rpy_matrix(self.angles(times)), self.axes)
+        return in_axes(rpy_matrix(self.angles(times, orders)), self.axes)
 
     @property
     def turning(self) -> float:
         """How far the object turns altogether [rad]."""
         times = np.linspace(0.0, self.move.duration, 65)
-        speed = np.linalg.norm(angular_velocity(self.rotation(times))[0], axis=-1)
+        speed = np.linalg.norm(angular_velocity(self.rotation(times, 2))[0], axis=-1)
         return float(np.trapezoid(speed, times))
 
 
@@ -133,12 +133,12 @@ class TwoLegs:
     second: WithoutSpin
     note: str
 
-    def rotation(self, times: Array) -> Array:
+    def rotation(self, times: Array, orders: int = ORDERS) -> Array:
         """See `Turning`."""
         half = self.first.move.duration
         early = (times < half)[:, None, None]
-        later = self.second.rotation(times - half)
-        return np.asarray(np.where(early, self.first.rotation(times), later))
+        later = self.second.rotation(times - half, orders)
+        return np.asarray(np.where(early, self.first.rotation(times, orders), later))
 
     @property
     def turning(self) -> float:

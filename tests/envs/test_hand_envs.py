@@ -28,9 +28,9 @@ from flatrig.envs import (
 )
 from flatrig.envs.hand.goals import default_move
 from flatrig.envs.hand.observation import pose_error
-from flatrig.envs.hand.plan import gripped, make_hand_plan
+from flatrig.envs.hand.plan import drive_motion, gripped, hand_layout, make_hand_plan
 from flatrig.envs.hand.rolling_feedback import twists
-from flatrig.feedforward.rolling import grasp_matrix, plan_hand, wrench
+from flatrig.feedforward.rolling import grasp_matrix, joint_forces, plan_hand, wrench
 from flatrig.models import HandMove, default_hand_move, make_hand
 from flatrig.models.errors import OptionError, PathError
 from flatrig.training.cli import main
@@ -196,6 +196,26 @@ def test_planned_forces_make_the_motion_inside_the_cones(hand: str) -> None:
     np.testing.assert_allclose(given, wrench(motion), atol=1e-9)
     assert squeeze > 0
     assert forces.outside is None
+
+
+@pytest.mark.parametrize("hand", HANDS)
+def test_rows_after_arrival_are_those_of_the_whole_motion(hand: str) -> None:
+    """A plan computes them once; here all instants are."""
+    made, move, period = (
+        make_hand(hand),
+        replace(default_move(make_hand(hand)), duration=2.003),
+        0.01,
+    )
+    plan = make_hand_plan(made, move, period, hold=0.2)
+    motion = plan_hand(made, move)(period * np.arange(plan.steps + 2))
+    forces = joint_forces(motion, gripped(motion)[0])
+    columns = hand_layout(made).columns
+    found = {name: plan.rows[:, own] for name, own in columns.items()}
+    np.testing.assert_array_equal(found["drives"], np.hstack(drive_motion(motion))[:-1])
+    middles = 0.5 * (forces.values[:-1] + forces.values[1:]) / forces.limits
+    np.testing.assert_array_equal(found["feedforward"], middles)
+    np.testing.assert_array_equal(found["outputs"][:, :3], motion.position[:-1])
+    np.testing.assert_array_equal(plan.motion.times, motion.times[:-1])
 
 
 def test_twists_that_fingers_can_give() -> None:

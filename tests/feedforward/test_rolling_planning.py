@@ -244,3 +244,14 @@ def test_motion_is_written_with_named_columns(tmp_path: Path) -> None:
     assert tuple(table.dtype.names) == motion.column_names
     np.testing.assert_array_equal(table["finger2.position.z"], motion.finger_positions[:, 1, 2])
     np.testing.assert_array_equal(table["object.R12"], motion.rotation[:, 0, 1])
+
+
+@pytest.mark.parametrize(("hand", "move"), CASES.values(), ids=CASES)
+def test_what_is_left_out_of_a_motion_changes_nothing_else(hand: Hand, move: HandMove) -> None:
+    plan, times = plan_hand(hand, move), np.linspace(-0.1, move.duration + 0.1, 29)
+    whole, bare = plan(times), plan(times, turns=False, judged=False)
+    np.testing.assert_array_equal(plan.turns(times), whole.tip_turns)
+    for name, value in vars(whole).items():
+        if isinstance(value, np.ndarray) and name != "tip_turns":
+            np.testing.assert_array_equal(getattr(bare, name), value)
+    assert not bare.tip_turns.any()
