@@ -213,7 +213,10 @@ def _with_integrals(
     longer = np.zeros((count, size + rows, size + rows))
     longer[:, :size, :size] = stage.transition
     longer[:, size:, :joints] = model.period * scaled
-    longer[:, size:, size:] = np.eye(rows)
+    moved = np.any(
+        scaled != 0.0, axis=2
+    )  # a tension that no joint moves cannot be held: it is forgotten
+    longer[:, size:, size:] = np.expand_dims(moved, 2) * np.eye(rows)
     cost = np.zeros_like(longer)
     costs = np.broadcast_to(1.0 / np.square(patience), count)
     cost[:, :size, :size] = stage.state_cost

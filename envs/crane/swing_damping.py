@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from ...models.errors import OptionError
+from ...models.rig.open_tensions import redundant_bodies
 from ...models.types import Array
 from ...models.values import bounded
 from ..controllers import PDLaw
@@ -110,7 +111,8 @@ def SwingDamping(env: AnyEnv, *, damping: float = DAMPING, integral: float = INT
     ------
     OptionError
         A number is out of its range, `env` is no crane, has no load sensors or no moving `PD`, or
-        carries a platform, or a `SwingDamping` or a `Residual` stands below.
+        carries a platform or a load on more ropes than freedoms, or a `SwingDamping` or a
+        `Residual` stands below.
     """
     task = task_of(env)
     if not isinstance(task, CraneTask):
@@ -123,6 +125,11 @@ def SwingDamping(env: AnyEnv, *, damping: float = DAMPING, integral: float = INT
         raise OptionError(
             f"SwingDamping is for loads that swing as pendulums; {task.rig.name} carries the "
             f"platform {task.rig.platforms[0].name}, which several ropes hold"
+        )
+    if held := redundant_bodies(task.rig):
+        raise OptionError(
+            f"SwingDamping is for loads that swing as pendulums; {len(held[0].ropes)} ropes hold "
+            f"{held[0].body.name} of {task.rig.name}"
         )
     refuse_below(env, "SwingDamping", "LQR", "Observer")
     feedback = next((law for law in laws_of(env) if isinstance(law, PDLaw) and law.moving), None)
