@@ -108,6 +108,32 @@ class Compare(RigOptions):
     json: Json = False
 
 
+@command(crane=".compare.record_dataset:of_a_crane", hand=".compare.record_dataset:of_a_hand")
+class Dataset(RigOptions):
+    """Record what a controller does as a dataset of Minari (needs the extra minari)."""
+
+    controller: str = "ff+pd"
+    """Name of a controller as `flatrig compare` has it, without spaces."""
+    episodes: int = 10
+    """Number of episodes."""
+    moves: Literal["own", "random"] = "own"
+    """Moves of the episodes."""
+    sensors: Literal["", "encoders", "sway", "full"] = ""
+    """What is observed; what the controller needs if left out."""
+    nominal: bool = False
+    """Without disturbances."""
+    seed: int = 0
+    """Seed of the first episode; each has the next one."""
+    policy: str = ""
+    """Policy of a learned controller (.json); the shipped one if left out."""
+    name: str = ""
+    """Name of the dataset; RIG/CONTROLLER-v0 if left out."""
+    output: Output = ""
+    """Folder of datasets; Minari's own if left out."""
+    replace: bool = False
+    """Replace a dataset of that name."""
+
+
 @command(crane=".learn.train:main", hand=".learn.train_hands:main")
 class Train(RigOptions):
     """Train a residual policy on top of feedforward, PD and the estimated mass."""
