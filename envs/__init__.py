@@ -50,6 +50,7 @@ __all__ = [
     "HAND_ENVIRONMENTS",
     "LQR",
     "OWN",
+    "OWN_HAND",
     "PD",
     "PID",
     "ActionRate",
@@ -90,6 +91,9 @@ __all__ = [
 OWN = "flatrig/Rig-v0"
 """Environment of a rig of one's own: needs `rig`, a `Rig` or the path of a TOML file."""
 
+OWN_HAND = "flatrig/Hand-v0"
+"""Environment of a hand of one's own: needs `hand`, a `Hand` or the path of a TOML file."""
+
 ENVIRONMENTS = CATALOGUE.environments
 """Rig of the catalogue for each registered environment."""
 
@@ -99,7 +103,7 @@ HAND_ENVIRONMENTS = HAND_CATALOGUE.environments
 _CRANES = [(name, "Crane", {"rig": rig}) for name, rig in ENVIRONMENTS.items()]
 _HANDS = [(name, "Hand", {"hand": hand}) for name, hand in HAND_ENVIRONMENTS.items()]
 
-for _name, _kind, _options in (*_CRANES, (OWN, "Crane", {}), *_HANDS):
+for _name, _kind, _options in (*_CRANES, (OWN, "Crane", {}), *_HANDS, (OWN_HAND, "Hand", {})):
     if _name not in gym.registry:
         # Gymnasium's checking wrappers cost as much as the task itself; the tests run them.
         gym.register(

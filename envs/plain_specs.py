@@ -1,8 +1,8 @@
 """Specs of environments as plain values, so that they can be written as JSON and read again.
 
-A `Rig` becomes its TOML text, with the move where a `Move` is the reference; a `HandMove` and
-ranges of disturbances become names and numbers; modes and paths texts.  What has no such form, a
-function that draws or a `Hand`, stays what it is, and environments are not made of its JSON.
+A `Rig` or a `Hand` becomes its TOML text, with the move where a `Move` is the reference; a
+`HandMove` and ranges of disturbances become names and numbers; modes and paths texts.  What has no
+such form, a function that draws, stays what it is, and environments are not made of its JSON.
 """
 
 from collections.abc import Mapping
@@ -23,9 +23,11 @@ def plain_spec(spec: EnvSpec | None, steps: int | None) -> EnvSpec | None:
     if spec is None:
         return None
     options = {name: _plain(value) for name, value in spec.kwargs.items()}
-    rig, move = options.get("rig"), options.get("reference")
+    rig, move, hand = options.get("rig"), options.get("reference"), options.get("hand")
     if isinstance(rig, models.Rig) or isinstance(move, models.Move):
         options |= _as_text(rig, move)
+    if isinstance(hand, models.Hand):
+        options["hand"] = models.dumps_hand(hand)
     length = spec.max_episode_steps if steps is None else spec.max_episode_steps or steps
     return replace(spec, kwargs=options, max_episode_steps=length)
 

@@ -1,4 +1,4 @@
-"""What a rig is: descriptions, the catalogue, TOML, and the MuJoCo model made from them.
+"""What a rig or a hand is: descriptions, the catalogues, TOML, and the MuJoCo model made from them.
 
     from flatrig import models
     rig = models.overhead_crane(load_mass=80.0)
@@ -14,6 +14,7 @@ from .errors import FlatrigError, ModelError, OptionError, PathError, RigError, 
 from .files import OutputError
 from .friction import Friction
 from .hand.catalogue import HAND_CATALOGUE, default_hand_move, make_hand
+from .hand.described import dump_hand, dumps_hand, load_hand, load_hand_move, loads_hand
 from .hand.hand import Finger, Hand, HeldObject, Plate, Tip
 from .hand.kiss_hands import (
     ball_between_oblique_plates,
@@ -118,15 +119,20 @@ __all__ = [
     "default_move",
     "double_pendulum_crane",
     "dump",
+    "dump_hand",
     "dumps",
+    "dumps_hand",
     "extended_rotary_crane",
     "fingerprint",
     "full_name",
     "gantry_crane",
     "knuckle_crane",
     "load",
+    "load_hand",
+    "load_hand_move",
     "load_move",
     "loads",
+    "loads_hand",
     "luffing_crane",
     "make",
     "make_hand",

@@ -6,18 +6,33 @@ from dataclasses import fields, replace
 from difflib import get_close_matches
 from typing import Any
 
-from ..models import CATALOGUE, HAND_CATALOGUE, Move, Rig, default_move, load, make
+from ..models import (
+    CATALOGUE,
+    HAND_CATALOGUE,
+    Hand,
+    HandMove,
+    Move,
+    Rig,
+    default_move,
+    load,
+    load_hand,
+    make,
+    make_hand,
+)
 from ..models.errors import OptionError, did_you_mean
+from ..models.hand.described import describes_hand
 
 KINDS = ("frames", "rails", "masses", "ropes", "drives")
 """Fields of a rig with the parts whose numbers can be changed."""
 
 
 def is_hand(name: str) -> bool:
-    """Whether a hand of the catalogue is meant, by a short or mistyped name too."""
+    """Whether a hand is meant: a file of one, or one of the catalogue, if mistyped."""
+    if is_file(name):
+        return describes_hand(name)
     plain = name.replace("-", "_").lower()
     nearest = get_close_matches(plain, (*CATALOGUE, *HAND_CATALOGUE), n=1)
-    return not is_file(name) and bool(nearest) and nearest[0] in HAND_CATALOGUE
+    return bool(nearest) and nearest[0] in HAND_CATALOGUE
 
 
 def is_file(name: str) -> bool:
@@ -53,6 +68,54 @@ def look_up(name: str, changes: Mapping[str, float]) -> tuple[Rig, Move | None]:
     for key, value in of_parts.items():
         rig = _with(rig, key, value)
     return rig, move
+
+
+def look_up_hand(name: str, changes: Mapping[str, float]) -> tuple[Hand, HandMove | None]:
+    """A hand with its move, if it has one; parameters and errors as `look_up`.
+
+    Of a file's hand numbers are changed as FINGER.field, of its object as held.field, and its own
+    by their names.
+    """
+    if not is_file(name):
+        values: dict[str, float | bool] = dict(changes)
+        if "spin" in values:
+            values["spin"] = bool(values["spin"])
+        return make_hand(name, **values), HAND_CATALOGUE.entry(name).move
+    hand, move = load_hand(name)
+    for key, value in changes.items():
+        hand = _with_in_hand(hand, key, value)
+    return hand, move
+
+
+def _with_in_hand(hand: Hand, key: str, value: float) -> Hand:
+    """The hand with one number replaced."""
+    part, _, name = key.rpartition(".")
+    owners: dict[str, list[Any]] = {"": [hand], "held": [hand.held]}
+    owners |= {finger.name: [finger, finger.surface] for finger in hand.fingers}
+    if part not in owners:
+        raise OptionError(f"--set {key}: no part {part!r}{did_you_mean(part, [*owners][1:])}")
+    numbers = {
+        item.name: owner
+        for owner in owners[part]
+        for item in fields(owner)
+        if isinstance(getattr(owner, item.name), float | int)
+    }
+    if name not in numbers:
+        raise OptionError(f"--set {key}: no number {name!r}{did_you_mean(name, numbers)}")
+    old = numbers[name]
+    kind = type(getattr(old, name))
+    new = replace(old, **{name: kind(value)})
+    if part == "held":
+        # a homogeneous object stays one
+        solid = hand.held == replace(hand.held, inertia=0.0)
+        return replace(hand, held=replace(new, inertia=0.0) if solid and name != "inertia" else new)
+    if not part:
+        return new  # type: ignore[no-any-return]
+    fingers = [
+        new if finger is old else replace(finger, surface=new) if finger.surface is old else finger
+        for finger in hand.fingers
+    ]
+    return replace(hand, fingers=tuple(fingers))
 
 
 def _parts(rig: Rig) -> list[Any]:

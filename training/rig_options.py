@@ -6,9 +6,20 @@ from typing import Any, Literal
 
 from tyro.conf import Positional
 
-from ..models import HAND_CATALOGUE, Hand, HandMove, Move, Rig, full_name, load_move, printed_move
+from ..models import (
+    HAND_CATALOGUE,
+    Hand,
+    HandMove,
+    Move,
+    Rig,
+    full_name,
+    load_hand_move,
+    load_move,
+    printed_move,
+)
 from ..models.errors import OptionError
-from .look_up import assignments, is_file, look_up
+from ..models.hand.catalogue import full_hand_name
+from .look_up import assignments, is_file, is_hand, look_up, look_up_hand
 
 FOR_CRANES = ("profile", "blend", "equations", "shortest", "margin")
 """Options that a hand has no use for."""
@@ -70,12 +81,15 @@ class RigOptions:
         for name in FOR_CRANES:
             if getattr(self, name, None):
                 raise OptionError(f"--{name} is for cranes, {self.rig} is a hand")
-        values: dict[str, float | bool] = {**assignments(self.set)}
-        if "spin" in values:
-            values["spin"] = bool(values["spin"])
-        hand, entry = HAND_CATALOGUE.make(self.rig, **values), HAND_CATALOGUE.entry(self.rig)
-        move = _printed_move(hand.name, entry.printed, self.move) if self.move else entry.move
-        return hand, replace(move, **self._changes("start", "goal", "duration", "order", "turning"))
+        hand, move = look_up_hand(self.rig, assignments(self.set))
+        if self.move:
+            move = _printed_move(hand) if self.move == "printed" else load_hand_move(self.move)
+        changes = self._changes("start", "goal", "duration", "order", "turning")
+        if move is None:
+            if "goal" not in changes:
+                raise OptionError(f"{self.rig} has no [move]; give --goal, or --move FILE")
+            return hand, HandMove(**changes)
+        return hand, replace(move, **changes)
 
     def _changes(self, *names: str) -> dict[str, Any]:
         """Those of the options `names` that are set; each is a field of the move."""
@@ -84,17 +98,15 @@ class RigOptions:
 
     def label(self) -> str:
         """A name for files about this rig."""
-        return Path(self.rig).stem if is_file(self.rig) else full_name(self.rig)
+        if is_file(self.rig):
+            return Path(self.rig).stem
+        return full_hand_name(self.rig) if is_hand(self.rig) else full_name(self.rig)
 
 
-def _printed_move(name: str, printed: HandMove | None, option: str) -> HandMove:
+def _printed_move(hand: Hand) -> HandMove:
     """The printed move of a hand, which `--move printed` asks for."""
-    if option != "printed":
-        raise OptionError(
-            f"--move is {option!r}, for a hand it can only be printed; change its move with "
-            "--start, --goal, --duration, --order and --turning"
-        )
+    printed = HAND_CATALOGUE.printed.get(hand.name)
     if printed is None:
         known = " and ".join(HAND_CATALOGUE.printed)
-        raise OptionError(f"hand {name} has no printed move that it cannot make, only {known}")
+        raise OptionError(f"hand {hand.name} has no printed move that it cannot make, only {known}")
     return printed

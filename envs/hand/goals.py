@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from os import PathLike, fspath, sep
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from ...feedforward.rolling.carried import carried_by
 from ...models.arguments import keywords_of, known_keywords
 from ...models.errors import OptionError
 from ...models.hand.catalogue import HAND_CATALOGUE, default_hand_move, make_hand
+from ...models.hand.described import load_hand, loads_hand
 from ...models.hand.hand import Hand
 from ...models.hand.move import HandMove
 from ...models.values import shown
@@ -49,20 +51,30 @@ class RandomGoals:
 
 
 class HandPlanner(Planner[HandPlan]):
-    """Makes the plan of each episode; goals that the hand cannot reach are drawn anew."""
+    """Makes the plan of each episode; goals that the hand cannot reach are drawn anew.
+
+    `move` is the hand's own, in place of the catalogue's.
+    """
 
     kinds = "a HandMove"
 
-    def __init__(self, hand: Hand, option: HandReference, period: float, hold: float) -> None:
-        self._hand = hand
+    def __init__(
+        self,
+        hand: Hand,
+        option: HandReference,
+        period: float,
+        hold: float,
+        move: HandMove | None = None,
+    ) -> None:
+        self._hand, self._move = hand, move
         if isinstance(option, Mapping):  # from a spec in JSON
             known_keywords("a HandMove has no", option, keywords_of(HandMove), OptionError)
             option = HandMove(**option)
         super().__init__(option, period, hold)
 
     def default(self) -> HandMove:
-        """The catalogue's move."""
-        return default_move(self._hand)
+        """The hand's own move, or the catalogue's."""
+        return self._move or default_move(self._hand)
 
     def random(self) -> RandomGoals:
         """Moves to goals near the catalogue's."""
@@ -90,22 +102,40 @@ def default_move(hand: Hand) -> HandMove:
         The hand is not from the catalogue.
     """
     if hand.name not in HAND_CATALOGUE:
-        raise OptionError(f"hand {hand.name} is not in the catalogue; give `reference`")
+        raise OptionError(
+            f"hand {hand.name} is not in the catalogue and brings no move; give `reference`"
+        )
     return replace(default_hand_move(hand), duration=DURATION)
 
 
-def as_hand(value: object) -> Hand:
-    """The option `hand`.
+def hand_and_move(value: Any) -> tuple[Hand, HandMove | None]:
+    """The option `hand`, and its move where a file gives one.
 
     Raises
     ------
     OptionError
-        It is neither a `Hand` nor a name.
+        It is none of what a hand can be.
     RigError
-        The catalogue has no hand of that name.
+        The catalogue has no hand of that name, or a file describes none.
     """
     if isinstance(value, Hand):
-        return value
-    if isinstance(value, str):
-        return make_hand(value)
-    raise OptionError(f"hand is {shown(value)}, it must be a Hand or a name of the catalogue")
+        return value, None
+    if value is None:
+        raise OptionError(
+            "an environment needs a hand; give `hand`, a Hand, a name of the catalogue or a TOML "
+            "file"
+        )
+    text = isinstance(value, str)
+    if text and "\n" in value:
+        hand, move = loads_hand(value)
+    elif isinstance(value, PathLike) or (text and (value.endswith(".toml") or sep in value)):
+        hand, move = load_hand(fspath(value))
+    elif text:
+        return make_hand(value), None
+    else:
+        raise OptionError(
+            f"hand is {shown(value)}, it must be a Hand, a name of the catalogue or the path of a "
+            "TOML file"
+        )
+    own = hand.name in HAND_CATALOGUE and move == default_hand_move(hand)
+    return hand, None if own else move

@@ -12,6 +12,7 @@ the distance is halved at 5 % of the object's radius, a turn counts times the ra
 """
 
 from collections.abc import Sequence
+from os import PathLike
 from typing import Any
 
 import mujoco
@@ -28,7 +29,7 @@ from ..rewards import NEAR
 from ..sensing import Observation
 from ..signals import whole_band
 from .disturbances import HandDisturbances, HandScenario
-from .goals import HandPlanner, HandReference, as_hand
+from .goals import HandPlanner, HandReference, hand_and_move
 from .observation import drive_names, observation_of, pose_error
 from .plan import HandPlan, hand_layout
 from .plant import HandPlant
@@ -49,10 +50,10 @@ class HandTask(Task[HandPlan, HandScenario]):
     Parameters
     ----------
     hand
-        The description, or the name of a hand of the catalogue.
+        The description, the name of a hand of the catalogue, the path of a TOML file, or its text.
     reference
         A `HandMove` for all episodes; a function that draws one from a random generator; "random"
-        for goals near the catalogue's; None for the catalogue's move, in 2 s.
+        for goals near its own; None for its own: the file's, or the catalogue's in 2 s.
     num
         Number of simulations n.
     sensors
@@ -90,7 +91,7 @@ class HandTask(Task[HandPlan, HandScenario]):
 
     def __init__(
         self,
-        hand: Hand | str,
+        hand: Hand | str | PathLike[str] | None = None,
         reference: HandReference = None,
         *,
         num: int = 1,
@@ -105,13 +106,14 @@ class HandTask(Task[HandPlan, HandScenario]):
         cost: bool = False,
         nthread: int | None = None,
     ) -> None:
-        self.hand = hand = as_hand(hand)
+        self.hand, move = hand_and_move(hand)
+        hand = self.hand
         substeps = self._prepare(
             num, sensors, rate, timestep, hold, max_episode_steps, entries, noise, cost, nthread
         )
         self.disturbances = HandDisturbances.of(disturbances, hand)
         self.limits, self.inertias = _motors(hand)
-        self.planner = HandPlanner(hand, reference, self.period, hold)
+        self.planner = HandPlanner(hand, reference, self.period, hold, move)
         self.plant = HandPlant(
             hand, self.num, timestep=timestep, substeps=substeps, nthread=nthread
         )

@@ -23,6 +23,8 @@ EVERY_WAY: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.
 """Slides of a finger that moves in space."""
 IN_PLANE: tuple[Vector, ...] = (EVERY_WAY[0], EVERY_WAY[2])
 """Slides of a finger of a planar hand."""
+ROUNDED = 4e-16
+"""How far from 1 a unit vector's length may round; such are left as they are, to be read again."""
 TAKEN = ("object", "world", "floor")
 """Names that no finger can have, since models give them to other things."""
 SOLID = {"sphere": 0.4, "disc": 0.5}
@@ -48,6 +50,8 @@ def unit(label: str, value: object) -> Vector:
     length = math.hypot(x, y, z)
     if length == 0.0:
         raise RigError(f"{label} is (0, 0, 0), it must point somewhere")
+    if abs(length - 1.0) <= ROUNDED:
+        return (x, y, z)
     return (x / length, y / length, z / length)
 
 

@@ -17,8 +17,7 @@ catalogue, with overrides:
 """
 
 import os
-import tomllib
-from dataclasses import MISSING, asdict, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +28,7 @@ from ..errors import FlatrigError, OptionError, PathError, RigError, did_you_mea
 from ..files import write_text
 from ..friction import Friction
 from ..reading import read_text
+from ..toml_tables import LARGEST, check_keys, entries_of, parts_of, table_of
 from ..values import shown, word
 from .catalogue import default_move, make, parameters
 from .move import Move
@@ -62,8 +62,6 @@ _PARTS = {
     "drives": Drive,
 }
 _SEA = {"waves": Wave, "records": Record}
-LARGEST = 2**20
-"""Size of a file beyond which it is none of a rig [bytes]."""
 FORM = "{coulomb = 2.0, viscous = 80.0}"
 _PLAIN = ("name", "dimensions", "gravity", "outputs", "home", "held", "distribution")
 
@@ -97,7 +95,7 @@ def load_move(path: str | Path) -> Move:
     path = file_path("the file of a move", path, PathError)
     text = read_text(path, PathError, largest=LARGEST)
     try:
-        move = _move(_table(text, PathError).get("move"), path.parent)
+        move = _move(table_of(text, "rig", PathError).get("move"), path.parent)
     except FlatrigError as error:
         raise type(error)(f"{path}: {error}") from None
     if move is None:
@@ -109,7 +107,9 @@ def loads(text: str, folder: Path = Path()) -> tuple[Rig, Move | None]:
     """As `load`, from the text itself; a move's `samples` are looked for in `folder`."""
     if not isinstance(text, str):
         raise RigError(f"the description of a rig is {shown(text)}, it must be TOML text")
-    table = _table(text, RigError)
+    table = table_of(text, "rig", RigError)
+    if "fingers" in table or "hand" in table:
+        raise RigError("this describes a hand, which models.load_hand reads")
     move = _move(table.pop("move", None), folder)
     if "rig" in table:
         rig = _of_catalogue(table)
@@ -169,9 +169,10 @@ def dumps(rig: Rig, move: Move | None = None) -> str:
 
 def _entry(part: Any) -> dict[str, Any]:
     """A part's fields by name, without those that are at their defaults."""
-    values = asdict(part)
-    values |= {name: _entry(part.friction) for name in values if name == "friction"}
-    return {f.name: values[f.name] for f in fields(part) if getattr(part, f.name) != f.default}
+    entries = entries_of(part)
+    if "friction" in entries:
+        entries["friction"] = entries_of(part.friction)
+    return entries
 
 
 def dump(path: str | Path, rig: Rig, move: Move | None = None) -> None:
@@ -199,18 +200,6 @@ def _named_from(folder: Path, move: Move) -> Move:
     return replace(move, samples=samples, records=records)
 
 
-def _table(text: str, error: type[FlatrigError]) -> dict[str, Any]:
-    """What TOML says."""
-    try:
-        return tomllib.loads(text)
-    except RecursionError:
-        raise error("not TOML of a rig: it is nested too deeply") from None
-    except tomllib.TOMLDecodeError as fault:
-        raise error(f"not TOML: {fault}") from None
-    except ValueError:
-        raise error("not TOML of a rig: a number has thousands of digits") from None
-
-
 def _of_catalogue(table: dict[str, Any]) -> Rig:
     """The rig that a table names, with its other entries as parameters."""
     name = word("rig", table.pop("rig"))
@@ -226,15 +215,13 @@ def _of_catalogue(table: dict[str, Any]) -> Rig:
 
 
 def _parts(kind: str, build: type, entries: Any) -> list[Any]:
-    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-        raise RigError(f"{kind} must be an array of tables, [[{kind}]]")
-    return [_part(kind, build, entry) for entry in entries]
+    return parts_of(kind, entries, lambda entry: _part(kind, build, entry))
 
 
 def _part(kind: str, build: type, entry: dict[str, Any]) -> Any:
     name = entry.get("name", entry.get("at", ""))
     label = f"{kind} {name}".strip() if isinstance(name, str) else kind
-    _check_keys(label, build, entry)
+    check_keys(label, build, entry)
     values = dict(entry)
     if build is Rope:
         values["sheaves"] = _parts("sheaves", Sheave, values.get("sheaves", []))
@@ -256,26 +243,12 @@ def _friction(label: str, entry: Any) -> Friction:
         raise RigError(f"{label}: {error}") from None
 
 
-def _check_keys(label: str, build: Any, entry: dict[str, Any]) -> None:
-    known = [item.name for item in fields(build)]
-    for key in entry:
-        if key not in known:
-            raise RigError(f"{label}: unknown entry {key!r}{did_you_mean(key, known)}")
-    for item in fields(build):
-        required = item.default is MISSING and item.default_factory is MISSING
-        if required and item.name not in entry:
-            raise RigError(f"{label}: the entry {item.name!r} is missing")
-
-
 def _move(entry: Any, folder: Path) -> Move | None:
     if entry is None:
         return None
     if not isinstance(entry, dict):
         raise PathError("move must be a table, [move]")
-    try:
-        _check_keys("move", Move, entry)
-    except RigError as error:
-        raise PathError(str(error)) from None
+    check_keys("move", Move, entry, PathError)
     values = dict(entry)
     if isinstance(values.get("samples"), str):
         values["samples"] = str(folder / values["samples"])

@@ -9,11 +9,13 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 import pytest
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils.env_checker import check_env
 from scipy.spatial.transform import Rotation
 
 from flatrig.envs import (
     HAND_ENVIRONMENTS,
+    OWN_HAND,
     PD,
     Feedforward,
     FrictionCompensation,
@@ -31,8 +33,8 @@ from flatrig.envs.hand.observation import pose_error
 from flatrig.envs.hand.plan import drive_motion, gripped, hand_layout, make_hand_plan
 from flatrig.envs.hand.rolling_feedback import twists
 from flatrig.feedforward.rolling import grasp_matrix, joint_forces, plan_hand, wrench
-from flatrig.models import HandMove, default_hand_move, make_hand
-from flatrig.models.errors import OptionError, PathError
+from flatrig.models import HandMove, default_hand_move, dump_hand, dumps_hand, make_hand
+from flatrig.models.errors import FlatrigError, OptionError, PathError
 from flatrig.training.cli import main
 
 HANDS = list(HAND_ENVIRONMENTS.values())
@@ -86,6 +88,36 @@ def test_controllers_are_made_again_from_a_spec() -> None:
     _, second = run(gym.make(env.spec), np.zeros((5, 4)), seed=0)
     for one, other in zip(first, second, strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+def test_a_hand_of_ones_own_comes_as_a_description_a_file_or_text(tmp_path: Path) -> None:
+    hand, move = make_hand("two_finger_hand", mass=0.3), HandMove(goal=(0.2,), duration=1.0)
+    hand = replace(hand, name="mine")
+    path = tmp_path / "mine.toml"
+    dump_hand(path, hand, move)
+    given = [
+        {"hand": hand, "reference": move},
+        {"hand": path},
+        {"hand": str(path)},
+        {"hand": dumps_hand(hand, move)},
+    ]
+    for options in given:
+        env = gym.make(OWN_HAND, disturbances="standard", **options)
+        assert env.unwrapped.task.hand == hand  # type: ignore[attr-defined]
+        again = gym.make(EnvSpec.from_json(env.spec.to_json()))  # type: ignore[union-attr]
+        found = [one.reset(seed=3)[0] for one in (env, again)]
+        expected = gym.make(OWN_HAND, disturbances="standard", **given[0]).reset(seed=3)[0]
+        np.testing.assert_array_equal(found, [expected] * 2)
+    short = gym.make(OWN_HAND, hand='hand = "two_finger_hand"\nmass = 0.3')
+    assert short.unwrapped.task.planner.fixed.steps == 1500  # type: ignore[attr-defined]
+    for wrong, message in (
+        (None, "an environment needs a hand"),
+        (3, "hand is 3, it must be a Hand, a name of the catalogue or the path"),
+        ("nowhere/mine.toml", "cannot read nowhere/mine.toml"),
+        (hand, "hand mine is not in the catalogue and brings no move; give `reference`"),
+    ):
+        with pytest.raises(FlatrigError, match=message):
+            gym.make(OWN_HAND, hand=wrong)
 
 
 def test_random_goals_are_drawn_again_and_differ() -> None:

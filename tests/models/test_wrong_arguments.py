@@ -93,7 +93,7 @@ CASES = {
         lambda: gym.make_vec("flatrig/TwoFingerHand-v0", num_envs=2, referense=3),
         "an environment has no option 'referense'; did you mean reference?",
     ),
-    "no hand": (lambda: envs.HandEnv(), "hand is None, it must be a Hand or a name"),
+    "no hand": (lambda: envs.HandEnv(), "an environment needs a hand"),
     "a hand for a rig": (lambda: envs.CraneEnv(HAND), "rig is Hand(name='two_finger_hand', "),
 }
 

@@ -128,7 +128,7 @@ REFUSALS = {
     ("analyse", "two-finger", "--shortest"): "--shortest is for cranes, two-finger is a hand",
     ("analyse", "two-finger", "--set", "size=1"): "two_finger_hand has no parameter 'size'",
     ("analyse", "two-finger", "--move", "printed"): "has no printed move that it cannot make",
-    ("analyse", "two-finger", "--move", "x.toml"): "for a hand it can only be printed",
+    ("analyse", "two-finger", "--move", "x.toml"): "cannot read x.toml: No such file",
     ("solve", "two-finger", "--rate", "1e9"): "it must be <= 50000 Hz",
     ("solve", "two-finger", "--goal", "1", "2"): "move: goal has 2 angles",
 }
