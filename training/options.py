@@ -260,9 +260,9 @@ class Hands:
     """Film one hand's motion instead, as GIF or MP4."""
 
 
-@command(crane=".describe.film:main")
+@command(crane=".describe.film:main", hand=".describe.film:film_hand")
 class Render(RigOptions):
-    """Film the move, driven by exact feedforward, without a display."""
+    """Film the move of a crane or hand, driven by exact feedforward, without a display."""
 
     output: Output = ""
     """GIF or MP4 to write, or PNG for three pictures in a row; results/RIG.gif if left out, and
@@ -276,7 +276,7 @@ class Render(RigOptions):
     fps: float = 25.0
     """Frames per second [Hz]."""
     force: bool = False
-    """Film it even if the rig cannot make the move: there, ropes push and drives have no limits."""
+    """Film it even if a crane cannot make the move: there, ropes push and drives have no limits."""
 
 
 @command(crane=".drive.drive_cranes:main")

@@ -7,6 +7,7 @@ Every number of the machine is written exactly as the model was built with it, s
 to the very model that `compile(rig, visuals=False)` makes, with sensors.  The scene moves as the
 machine alone, bit for bit, since it includes that file; what moves is drawn there by skins (see
 `looks.skins`), what stands still by geoms of the world.  Only a rope's colour stands with the rope.
+Hands have files of their own making, see `hand_export`.
 """
 
 import re
@@ -17,12 +18,14 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ..files import make_folder, write_text
+from ..hand.catalogue import HAND_CATALOGUE
 from ..looks.setting import COLOURS, ROPES
 from ..looks.skins import Skin, skins
 from ..rig.catalogue import CATALOGUE
 from ..rig.rig import Rig
 from ..types import Array
 from . import rigging
+from .hand_export import hand_scene_xml, hand_xml
 from .rig_model import memory, spec
 
 FOLDER = Path(__file__).parents[1]
@@ -70,7 +73,7 @@ def scene_xml(rig: Rig) -> str:
 
 
 def export(folder: str | Path = FOLDER) -> list[Path]:
-    """Write the files of every rig of the catalogue, with its default numbers.
+    """Write the files of every rig and hand of the catalogues, with their default numbers.
 
     Raises
     ------
@@ -78,13 +81,16 @@ def export(folder: str | Path = FOLDER) -> list[Path]:
         The folder cannot be written to.
     """
     make_folder(Path(folder))
-    paths = []
+    files: dict[str, str] = {}
     for name, build in CATALOGUE.items():
         rig = build()
-        for file, text in ((f"{name}.xml", xml(rig)), (f"{name}_scene.xml", scene_xml(rig))):
-            paths.append(Path(folder) / file)
-            write_text(paths[-1], text)
-    return paths
+        files |= {name: xml(rig), f"{name}_scene": scene_xml(rig)}
+    for name, make in HAND_CATALOGUE.items():
+        hand = make()
+        files |= {name: hand_xml(hand), f"{name}_scene": hand_scene_xml(hand)}
+    for name, text in files.items():
+        write_text(Path(folder) / f"{name}.xml", text)
+    return [Path(folder) / f"{name}.xml" for name in files]
 
 
 def _section(scene: ElementTree.Element, tag: str) -> ElementTree.Element:

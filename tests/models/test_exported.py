@@ -6,7 +6,7 @@ import pytest
 
 from flatrig import models
 from flatrig.models.looks import render, skins
-from flatrig.models.mjcf import export, rig_model, simulate
+from flatrig.models.mjcf import export, hand_export, rig_model, simulate
 
 CATALOGUE = tuple(models.CATALOGUE)
 
@@ -75,7 +75,8 @@ def test_noise_on_the_inputs_raises_no_warning(name):
 
 def test_export_writes_to_a_folder(tmp_path):
     written = export.export(tmp_path / "new")
-    files = [f"{name}{kind}.xml" for name in CATALOGUE for kind in ("", "_scene")]
+    names = [*CATALOGUE, *models.HAND_CATALOGUE]
+    files = [f"{name}{kind}.xml" for name in names for kind in ("", "_scene")]
     assert [path.name for path in written] == files
 
 
@@ -159,3 +160,31 @@ def test_the_scene_looks_like_the_dressed_model():
     floor = np.abs(one - np.median(one, axis=(0, 1))).max(axis=2) > 40
     assert floor.mean() > 0.05  # the crane is in the picture
     assert (np.abs(one - other).max(axis=2) > 40).mean() < 0.01
+
+
+@pytest.mark.parametrize("name", models.HAND_CATALOGUE)
+def test_exported_hands_are_current_and_move_as_compiled_ones_to_the_bit(name):
+    hand = models.make_hand(name)
+    expected = models.compile_hand(hand, visuals=False)
+    generator = np.random.default_rng(3)
+    inputs = expected.key_ctrl[0] + generator.normal(scale=0.02, size=(100, expected.nu))
+    start = expected.key_qpos[0], np.zeros(expected.nv)
+    run = simulate.run(expected, *start, inputs)
+    for file, text in (
+        (name, hand_export.hand_xml(hand)),
+        (f"{name}_scene", hand_export.hand_scene_xml(hand)),
+    ):
+        assert stored_scene(file).read_text() == text, "`flatrig scenes` makes it anew"
+        model = mujoco.MjModel.from_xml_path(str(export.FOLDER / f"{file}.xml"))
+        found = simulate.run(model, *start, inputs)
+        np.testing.assert_array_equal(found.qpos, run.qpos)
+        np.testing.assert_array_equal(found.qvel, run.qvel)
+        data = mujoco.MjData(model)
+        data.qpos[:] = run.qpos[-1]
+        mujoco.mj_forward(model, data)
+        np.testing.assert_array_equal(data.sensor("object.position").data, data.body("object").xpos)
+        slides = [model.joint(k).name for k in range(model.njnt) if "slide" in model.joint(k).name]
+        assert [data.sensor(slide).data[0] for slide in slides] == [
+            data.joint(slide).qpos[0] for slide in slides
+        ]
+        assert (model.ncam > 0) == file.endswith("scene")

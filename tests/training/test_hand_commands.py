@@ -1,6 +1,7 @@
 """Hands on the command line: what is printed, written and refused, and K's figures 2.13 to 2.19."""
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from PIL import Image
 
 from flatrig import models
 from flatrig.feedforward.rolling import in_cones, joint_forces, plan_hand
+from flatrig.models.mjcf import hand_state
 from flatrig.training.cli import main
 from flatrig.training.look_up import is_hand
 from flatrig.training.options import Analyse
@@ -115,6 +117,31 @@ def test_solution_without_forces_is_the_motion(capsys: pytest.CaptureFixture[str
     names = read("motion.csv").dtype.names
     assert "finger1.tip_turn.x" in names
     assert "finger1.force.x" not in names
+
+
+def test_a_hand_is_filmed(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Joints are those of MuJoCo, from the plan's start to where it ends."""
+    seen: list[np.ndarray] = []
+
+    def blank(_: object, qpos: np.ndarray, *__: object) -> Iterator[np.ndarray]:
+        seen.append(qpos)
+        return iter(np.zeros((3, 48, 64, 3), dtype=np.uint8))
+
+    monkeypatch.setattr("flatrig.models.looks.render.frames", blank)
+    move = ("--goal", "0.2", "--duration", "0.5", "-o", "film.png")
+    assert "wrote film.png: 3 pictures" in said(capsys, "render", "two-finger", *move)
+    hand = models.two_finger_hand()
+    poses = hand_state.object_poses(hand, seen[0])
+    np.testing.assert_allclose(poses[0][-1] - poses[0][0], (0.1, 0.0, 0.1), atol=1e-3)
+    turned = np.arctan2(poses[1][-1, 2, 0], poses[1][-1, 0, 0])
+    assert turned == pytest.approx(0.2, abs=1e-2)
+    assert "--force is for cranes" in refused(capsys, "render", "two-finger", "--force")
+    printed = ("render", "three-finger", "--move", "printed", "-o", "printed.png")
+    assert main(printed) == 1
+    assert "the move is not feasible" in capsys.readouterr().err
+    assert not Path("printed.png").exists()
 
 
 REFUSALS = {

@@ -2,10 +2,10 @@
 
 Each crane stands there as headless runs use it, with rigid ropes, with friction allowed, with
 elastic and with slack ropes, then dressed for people, and last as `flatrig scenes` writes it for
-plain MuJoCo; each hand with motors, with a servo on its slides, and dressed.  `rows` are constraint
-rows just after home, `looks` are parts to be seen or read (geoms that touch nothing, sensors);
-`data` is what one simulation needs besides the model; `features` are those of MuJoCo that act
-besides tendons and motors.  Left out are looks that the dressed scene has, and constraints:
+plain MuJoCo; each hand with motors, with a servo on its slides, dressed and written.  `rows` are
+constraint rows just after home, `looks` are parts to be seen or read (geoms that touch nothing,
+sensors); `data` is what one simulation needs besides the model; `features` are those of MuJoCo that
+act besides tendons and motors.  Left out are looks that the dressed scene has, and constraints:
 contact, equality, friction loss, limit.
 
     used(model)        # features of MuJoCo that act in this model
@@ -27,6 +27,7 @@ from rich.table import Table
 from ...models import CATALOGUE, HAND_CATALOGUE, make, make_hand
 from ...models.mjcf import export
 from ...models.mjcf import rig_model as mjcf
+from ...models.mjcf.hand_export import hand_xml
 from ...models.mjcf.hand_model import compile_hand
 from ...models.types import Mask
 from .. import options
@@ -85,7 +86,8 @@ def scenes(name: str) -> dict[str, mujoco.MjModel]:
     """Models of a crane or hand of the catalogue, by what they are for."""
     if name in HAND_CATALOGUE:
         hand = make_hand(name)
-        return {variant: compile_hand(hand, **how) for variant, how in HAND_VARIANTS.items()}
+        made = {variant: compile_hand(hand, **how) for variant, how in HAND_VARIANTS.items()}
+        return made | {EXPORTED: mujoco.MjModel.from_xml_string(hand_xml(hand))}
     rig = make(name)
     compiled = {variant: mjcf.compile(rig, **how) for variant, how in VARIANTS.items()}
     return compiled | {EXPORTED: mujoco.MjModel.from_xml_string(export.xml(rig))}

@@ -65,6 +65,13 @@ class Track:
         return cls._of(there_and_back(plan, times), few, step)
 
     @classmethod
+    def once(cls, plan: HandPlan, step: float, hold: float) -> "Track":
+        """Go a plan's way once and rest there for a time `hold` [s]; otherwise as `of`."""
+        seconds = plan.move.duration + hold
+        times = np.linspace(0.0, seconds, round(seconds / step) + 1)
+        return cls._of(plan(times), plan(np.linspace(0.0, seconds, INSTANTS)), step)
+
+    @classmethod
     def still(cls, plan: HandPlan, step: float, seconds: float) -> "Track":
         """Hold a plan's first pose; otherwise as `of`."""
         rest = plan(np.zeros(round(seconds / step) + 1))
