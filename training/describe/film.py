@@ -61,7 +61,7 @@ def film_hand(command: options.Render) -> int:
         return refuse(
             "the hand loses its object", [f"finger {run.lost} at {run.log.seconds:.3g} s"]
         )
-    times = step * np.arange(len(run.qpos))
+    times = np.asarray(step * np.arange(len(run.qpos)), dtype=np.float64)
     return _write(command, path, compile_hand(hand), run.qpos, times, move.duration)
 
 
