@@ -14,6 +14,7 @@ Names, moves, environments, scenes and tests follow from the entries.  The name 
 and what it builds has to carry the same one.
 """
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
@@ -106,18 +107,26 @@ class Catalogue(Mapping[str, Callable[..., ModelT]], Generic[ModelT, MoveT]):
         return register
 
     def full_name(self, name: str) -> str:
-        """The catalogue's name for a name that may be short or hyphenated ("navy-2d").
+        """The catalogue's name for one that may be short, or spelled otherwise.
+
+        Parameters
+        ----------
+        name
+            As in the catalogue, without its last word ("navy-2d"), with other capitals, spaces or
+            hyphens, or the environment's ("flatrig/NavyCrane2D-v0").
 
         Raises
         ------
         RigError
             Nothing in the catalogue is called so.
         """
-        plain = word(f"the name of a {self.kind}", name).replace("-", "_").lower()
-        for known in self:
-            if plain in (known, known.replace(f"_{self.ending}", "")):
-                return known
-        hint = did_you_mean(plain, self)
+        plain = word(f"the name of a {self.kind}", name)
+        letters = _letters(plain)
+        for entry in self.entries:
+            short = entry.name.replace(f"_{self.ending}", "")
+            if letters in map(_letters, (entry.name, short, entry.environment or short)):
+                return entry.name
+        hint = did_you_mean(catalogue_spelling(plain), self)
         raise RigError(f"there is no {self.kind} {name!r}{hint}")
 
     def entry(self, name: str) -> Entry[ModelT, MoveT]:
@@ -152,3 +161,15 @@ class Catalogue(Mapping[str, Callable[..., ModelT]], Generic[ModelT, MoveT]):
         known = self.parameters(name)
         known_keywords(f"{entry.name} has no parameter", overrides, known, RigError)
         return entry.build(**overrides)
+
+
+def catalogue_spelling(name: str) -> str:
+    """A name in small letters with underscores, without what an environment's has around it."""
+    bare = re.sub(r"-v\d+$", "", name.removeprefix("flatrig/"))
+    parted = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", bare)
+    return re.sub(r"[\s-]", "_", parted).lower()
+
+
+def _letters(name: str) -> str:
+    """Letters and digits of a name alone."""
+    return catalogue_spelling(name).replace("_", "")

@@ -19,26 +19,62 @@ import re
 import signal
 import sys
 from collections.abc import Sequence
+from importlib import metadata
 from typing import Any
 
 import tyro
+from rich.table import Table
 
-from ..models.errors import FlatrigError
+from ..models.errors import FlatrigError, did_you_mean
 from ..models.files import Ended, is_standard_output, reserving_standard_output, unwinding
-from .exits import INTERRUPTED, MISTAKE, NO, complain
+from .console import console, silence
+from .exits import DONE, INTERRUPTED, MISTAKE, NO, complain
 from .options import COMMANDS
 
+DESCRIPTION = "Cranes and hands from one description: exact feedforward, MuJoCo, Gymnasium."
+QUIET = "--quiet"
 FRAME = re.compile("[╭╰]|[─-]{20}")
 """What stands in every line of the frame, and of those between its compartments."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit status."""
+    words = list(sys.argv[1:] if argv is None else argv)
+    silence(QUIET in words)
+    words = [word for word in words if word != QUIET]
     try:
-        options = _parse(argv)
+        match words[:1]:
+            case [] | ["-h" | "--help"]:
+                return overview()
+            case ["--version"]:
+                console().print(f"flatrig {metadata.version('flatrig')}")
+                return DONE
+            case [word] if not word.startswith("-") and word not in names():
+                return _fail(f"there is no command {word!r}{did_you_mean(word, names())}")
+        options = _parse(words)
     except BrokenPipeError:
         return _unread()
     return run(options)
+
+
+def names() -> dict[str, type]:
+    """Classes of options by the names of their commands."""
+    return {options.__name__.lower(): options for options in COMMANDS}
+
+
+def overview() -> int:
+    """Print what commands there are, by groups."""
+    out = console()
+    out.print(f"usage: flatrig COMMAND [OPTIONS]\n\n{DESCRIPTION}")
+    rows = Table.grid(padding=(0, 2))
+    for group, members in itertools.groupby(names().items(), lambda item: COMMANDS[item[1]].group):
+        rows.add_row(f"\n{group}")
+        for name, options in members:
+            rows.add_row(f"  {name}", (options.__doc__ or "").partition("\n")[0])
+    out.print(rows)
+    out.print("\nflatrig COMMAND --help tells the options of a command, flatrig --version which")
+    out.print("version this is; --quiet beside any command leaves out all but what is asked for.")
+    return DONE
 
 
 def run(options: Any) -> int:
@@ -73,7 +109,7 @@ def _parse(argv: Sequence[str] | None) -> Any:
             return tyro.cli(
                 any_command,
                 prog="flatrig",
-                description="Cranes from one description: exact feedforward, MuJoCo, Gymnasium.",
+                description=DESCRIPTION,
                 args=argv,
                 config=(tyro.conf.FlagCreatePairsOff, tyro.conf.HelptextFromCommentsOff),
             )

@@ -17,7 +17,9 @@ tells them apart:
 import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeVar, dataclass_transform
+from typing import Annotated, Any, TypeVar, dataclass_transform
+
+from tyro.conf import arg
 
 from ..models.errors import OptionError
 from .exits import DONE
@@ -38,6 +40,8 @@ class Command:
     """The same about one hand; "" if the command is for cranes only."""
     every: str = ""
     """The same about "all"; "" if the command is about one."""
+    group: str = ""
+    """Heading below which help lists it."""
 
     def __call__(self, options: Any) -> int:
         """Run the command; returns the exit status.
@@ -63,13 +67,22 @@ COMMANDS: dict[type, Command] = {}
 
 @dataclass_transform(frozen_default=True)
 def command(
-    main: str = "", *, crane: str = "", hand: str = "", every: str = ""
+    main: str = "", *, crane: str = "", hand: str = "", every: str = "", group: str = ""
 ) -> Callable[[type[T]], type[T]]:
     """Make a class of options a frozen dataclass and a command; parameters are as of `Command`."""
 
     def register(options: type[T]) -> type[T]:
-        options = dataclass(frozen=True)(options)
-        COMMANDS[options] = Command(main, crane, hand, every)
+        options = dataclass(frozen=True)(with_plain_help(options))
+        COMMANDS[options] = Command(main, crane, hand, every, group)
         return options
 
     return register
+
+
+def with_plain_help(options: type[T]) -> type[T]:
+    """A class of options whose help says no default that tells nothing: "", (), None, False."""
+    for name, kind in vars(options).get("__annotations__", {}).items():
+        default = getattr(options, name, True)
+        if default is False or default in ("", (), None):
+            options.__annotations__[name] = Annotated[kind, arg(help_behavior_hint="")]
+    return options

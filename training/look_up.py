@@ -21,6 +21,7 @@ from ..models import (
 )
 from ..models.errors import OptionError, did_you_mean
 from ..models.hand.described import describes_hand
+from ..models.registry import catalogue_spelling
 
 KINDS = ("frames", "rails", "masses", "ropes", "drives")
 """Fields of a rig with the parts whose numbers can be changed."""
@@ -30,14 +31,13 @@ def is_hand(name: str) -> bool:
     """Whether a hand is meant: a file of one, or one of the catalogue, if mistyped."""
     if is_file(name):
         return describes_hand(name)
-    plain = name.replace("-", "_").lower()
-    nearest = get_close_matches(plain, (*CATALOGUE, *HAND_CATALOGUE), n=1)
+    nearest = get_close_matches(catalogue_spelling(name), (*CATALOGUE, *HAND_CATALOGUE), n=1)
     return bool(nearest) and nearest[0] in HAND_CATALOGUE
 
 
 def is_file(name: str) -> bool:
-    """Whether a rig's name is that of a file."""
-    return name.endswith(".toml") or os.sep in name
+    """Whether a rig's name is that of a file, and not of an environment."""
+    return name.endswith(".toml") or (os.sep in name and not name.startswith("flatrig/"))
 
 
 def look_up(name: str, changes: Mapping[str, float]) -> tuple[Rig, Move | None]:

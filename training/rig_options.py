@@ -19,6 +19,7 @@ from ..models import (
 )
 from ..models.errors import OptionError
 from ..models.hand.catalogue import full_hand_name
+from .commands import with_plain_help
 from .look_up import assignments, is_file, is_hand, look_up, look_up_hand
 
 FOR_CRANES = ("profile", "blend", "equations", "shortest", "margin")
@@ -26,6 +27,7 @@ FOR_CRANES = ("profile", "blend", "equations", "shortest", "margin")
 
 
 @dataclass(frozen=True)
+@with_plain_help
 class RigOptions:
     """The rig, and changes to it and to its move."""
 

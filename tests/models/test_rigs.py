@@ -328,6 +328,8 @@ def test_files_that_cannot_be_read_or_written(tmp_path):
 def test_catalogue_names():
     assert models.full_name("overhead") == "overhead_crane"
     assert models.full_name("rotary-crane") == "rotary_crane"
+    for spelled in ("Navy Crane 2D", "NavyCrane2D-v0", "flatrig/NavyCrane2D-v0", "navy_2d"):
+        assert models.full_name(spelled) == "navy_crane_2d"
     with pytest.raises(RigError, match="no parameter 'mass'"):
         models.make("overhead", mass=3.0)
 

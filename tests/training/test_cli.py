@@ -6,6 +6,7 @@ import re
 import shlex
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
@@ -242,6 +243,38 @@ def test_help_is_quick_and_complete() -> None:
     assert not loaded & {"mujoco", "gymnasium", "matplotlib", "torch", "scipy"}
 
 
+def test_the_version_is_that_of_the_package(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"flatrig {metadata.version('flatrig')}\n"
+
+
+def test_a_mistyped_command_gets_a_suggestion(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["analyze", "overhead"]) == 2
+    assert capsys.readouterr().err == (
+        "flatrig: error: there is no command 'analyze'; did you mean analyse?\n"
+    )
+
+
+def test_quiet_leaves_what_was_asked_for(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    table = tmp_path / "inputs.csv"
+    assert main(["solve", "overhead", "--rate", "10", "-o", str(table), "--quiet"]) == 0
+    assert table.exists()
+    assert main(["solve", "overhead", "--rate", "10", "-o", "-", "--quiet"]) == 0
+    assert capsys.readouterr() == (table.read_text(), "")
+    assert main(["list"]) == 0  # and the next command speaks again
+    assert "overhead_crane" in capsys.readouterr().out
+
+
+def test_help_tells_no_default_that_tells_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["train", "--help"])
+    told = re.findall(r"\(default:\s*([^)]*)\)", capsys.readouterr().out)
+    assert told
+    assert not {"", "''", "None", "False"} & set(told)
+
+
 GREET = """
 def crane(options):
     print(f"{options.times} x {options.target()[0].name}")
@@ -274,8 +307,7 @@ def test_a_command_is_its_options_and_a_function(
 
     with monkeypatch.context() as patch:
         patch.setitem(COMMANDS, Greet, COMMANDS.pop(Greet))
-        with pytest.raises(SystemExit):
-            main(["--help"])
+        assert main(["--help"]) == 0
         assert re.search(r"greet +Greet a rig\.", capsys.readouterr().out)
         assert "greetings" not in sys.modules  # loaded only when it runs
         assert main(["greet", "overhead", "--times", "3"]) == 0
