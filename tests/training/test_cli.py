@@ -219,7 +219,8 @@ def test_a_folder_that_is_read_only(capsys: pytest.CaptureFixture[str], tmp_path
 
 def test_scenes_are_written(tmp_path: Path) -> None:
     assert main(["scenes", "-o", "scenes"]) == 0
-    names = {name + kind for name in models.CATALOGUE for kind in ("", "_scene")}
+    machines = (*models.CATALOGUE, *models.HAND_CATALOGUE)
+    names = {name + kind for name in machines for kind in ("", "_scene")}
     assert {path.stem for path in (tmp_path / "scenes").glob("*.xml")} == names
 
 
