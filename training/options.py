@@ -163,6 +163,16 @@ class Train(RigOptions):
     `iterations`, `threads` and `every` may be others."""
 
 
+@command(".learn.plot_runs:main")
+class Plot:
+    """Draw how training went: errors on judged moves and loss, with bands over seeds."""
+
+    runs: Positional[tuple[str, ...]] = ()
+    """Result folders of `train`; those that differ in the seed alone become one curve."""
+    output: Output = ""
+    """Picture to write (.png, .svg or .pdf); results/runs.png if left out."""
+
+
 @command(crane=".describe.fingerprints:main")
 class Fingerprint(RigOptions):
     """Print what tells a crane's parts and numbers from others, which a trained policy carries."""
