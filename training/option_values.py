@@ -14,6 +14,10 @@ Json = Annotated[bool, arg(name="json", help="Print JSON for scripts instead of 
 """Its keys are described in docs/reference/command_line.md."""
 
 
+On = Annotated[str, arg(metavar="{local,ray,slurm}")]
+"""Where the work is done, by the names in `flatrig.training.jobs.choice`."""
+
+
 def check_number(
     name: str, value: float, *, lowest: float = 0.0, open_end: bool = True, unit: str = ""
 ) -> None:

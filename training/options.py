@@ -10,7 +10,7 @@ from tyro.conf import Positional
 
 from .commands import COMMANDS as COMMANDS  # filled below
 from .commands import command
-from .option_values import Json, Output, Target
+from .option_values import Json, On, Output, Target
 from .option_values import check_number as check_number
 from .rig_options import RigOptions
 
@@ -102,9 +102,11 @@ class Compare(RigOptions):
     page: str = ""
     """Of all: Markdown file to write, too, with its figure in the folder images beside its own."""
     processes: int = 1
-    """Of all: number of processes that run side by side."""
+    """Number of processes side by side, each at one controller, or of all at one crane or hand."""
+    on: On = "local"
+    """Where they run: local, ray, slurm (docs/how-to/many_machines.md)."""
     resume: bool = False
-    """Of all: keep what an interrupted run has left in the folder."""
+    """Keep what an interrupted run has left in the folder."""
     json: Json = False
 
 
@@ -203,7 +205,9 @@ class Bench:
     scheme: tuple[str, ...] = ()
     """Names of schemes ("BDF 3") and of peers ("CasADi IDAS") for it; all if left out."""
     processes: int = 2
-    """Number of processes that run side by side, except for "speed"."""
+    """Number of processes that run side by side, except for "speed" and "vectors"."""
+    on: On = "local"
+    """Where they run: local, ray, slurm (docs/how-to/many_machines.md); not for "stream"."""
     output: Output = ""
     """Folder for tables and figures, results/bench or results/cranebench if left out; or for
     "feedforward" a PNG file for one figure of one rig (the rotary crane)."""
@@ -235,6 +239,8 @@ class Regress:
     """Write numbers to that file instead of comparing them, with bands from repeated runs."""
     processes: int = 1
     """Number of processes that run side by side; they know the package's models only."""
+    on: On = "local"
+    """Where they run: local, ray, slurm (docs/how-to/many_machines.md)."""
 
 
 @command(".bench.lean:main")
@@ -254,6 +260,8 @@ class Stress:
     """Rows of the table to run: those with this in their name; all if left out."""
     processes: int = 2
     """Number of processes that run cases side by side."""
+    on: On = "local"
+    """Where they run: local, ray, slurm (docs/how-to/many_machines.md)."""
     output: Output = ""
     """Folder for the table; results/stress if left out."""
     resume: bool = False

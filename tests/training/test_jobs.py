@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import pytest
 
 from flatrig.models.files import OutputError
-from flatrig.training import jobs, provenance
-from flatrig.training.jobs import JobError, Jobs, Processes
+from flatrig.training import provenance
+from flatrig.training.jobs import JobError, Jobs, Processes, jobs
 
 
 @dataclass(frozen=True)
@@ -74,13 +74,13 @@ def test_a_failure_is_a_value(count):
 def test_what_fails_is_tried_again():
     calls = Calls(_4=[OSError("busy"), OSError("busy")])
     assert Jobs(calls, retries=2).values([4, 9]) == [Root(2.0), Root(3.0)]
-    assert calls.items == [4, 4, 4, 9]
+    assert calls.items == [4, 9, 4, 4]  # after what is fresh
     (result,) = Jobs(Calls(_4=[OSError("second"), OSError("first")]), retries=1).results([4])
     assert str(result.failure) == "second"
 
 
 def test_a_process_that_ends_is_a_failure_of_its_item_alone():
-    work = Jobs(eval, Processes(2), retries=1)  # a function that a new process can find
+    work = Jobs(eval, Processes(2))  # a function that a new process can find
     items = ["__import__('os')._exit(1)", "1", "2", "3"]
     lost, *others = sorted(work.results(items), key=lambda result: result.number)
     assert isinstance(lost.failure, JobError)
@@ -161,7 +161,7 @@ def test_a_damaged_value_is_computed_anew(file, line):
     assert calls.items == [4, 4]
 
 
-@pytest.mark.parametrize("text", ["", "\n", "[]", '{"sources"', "{}\n{}"])
+@pytest.mark.parametrize("text", ["", "\n", "[]", '{"sources"', "{}\n{}", '{"function": "f"'])
 def test_a_file_of_something_else_is_begun_anew(file, text):
     file.parent.mkdir()
     file.write_text(text)

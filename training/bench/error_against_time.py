@@ -11,6 +11,7 @@ every measured order of convergence beside the theoretical one to `orders.csv`, 
 figure.  Ratios to the exact solution are medians of runs timed in turns, one at a time.
 
 Two processes work side by side, each on one core: other load on the machine shows in the times.
+With `--on` they are those of whatever machine worked on a line; ratios are of one machine each.
 """
 
 from collections.abc import Iterable, Sequence
@@ -23,7 +24,7 @@ from ...models.errors import OptionError, did_you_mean
 from ...models.files import make_folder
 from .. import options
 from ..console import console
-from ..jobs import Jobs, Processes, record
+from ..jobs import Backend, Jobs, backend_for, record
 from ..tables import write_csv
 from . import trial_figures, trial_roads, trial_tables
 from .peers import PEERS
@@ -45,9 +46,10 @@ def main(command: options.Bench) -> None:
         out.print(f"{name} is not installed (pip install 'flatrig[peers]'), it is left out")
     chosen = [unit for unit in chosen if unit.name not in BY_NAME or BY_NAME[unit.name].present]
     folder = Path(command.output or FOLDER)
+    backend = backend_for(command.on, command.processes, folder.parent if picture else folder)
     if not picture:
         make_folder(folder)
-    runs = measure(chosen, None if picture else folder, command.resume, command.processes)
+    runs = measure(chosen, None if picture else folder, command.resume, backend)
     labels = list(dict.fromkeys(run.case for run in runs))
     if picture:
         trial_figures.formulation(folder, runs, chosen[0].case, _formulation(chosen))
@@ -115,7 +117,7 @@ def absent(chosen: Iterable[Unit]) -> list[str]:
 
 
 def measure(
-    chosen: Sequence[Unit], folder: Path | None, resume: bool = False, processes: int = 1
+    chosen: Sequence[Unit], folder: Path | None, resume: bool, backend: Backend
 ) -> list[Run]:
     """Runs of the units, in their order; `FOLDER/progress.jsonl` keeps what is done.
 
@@ -126,7 +128,7 @@ def measure(
     """
     jobs = Jobs(
         Unit.runs,
-        Processes(processes),
+        backend,
         file=None if folder is None else folder / "progress.jsonl",
         resume=resume,
         decode=lambda runs: [record(Run, run) for run in runs],

@@ -18,7 +18,7 @@ from ...models.files import make_folder
 from .. import options
 from ..as_json import show_json
 from ..console import console
-from ..jobs import Jobs, Processes
+from ..jobs import Backend, Jobs, backend_for
 from . import cranebench_report as report
 from .cranebench_runs import CAMPAIGNS, ENTRANTS, Run, Unit
 
@@ -41,8 +41,9 @@ def main(command: options.Bench) -> None:
     if importlib.util.find_spec("cranebench") is None:
         raise OptionError("cranebench is not installed; pip install 'flatrig[peers]'")
     folder = Path(command.output or FOLDER)
+    backend = backend_for(command.on, command.processes, folder)
     make_folder(folder)
-    runs = measure(command.samples, folder, command.resume, command.processes)
+    runs = measure(command.samples, folder, command.resume, backend)
     report.write(runs, folder)
     if command.json:
         show_json(report.summary(runs))
@@ -54,7 +55,7 @@ def main(command: options.Bench) -> None:
     out.print(f"wrote {folder}/samples.csv, summary.json, swing.png", soft_wrap=True)
 
 
-def measure(samples: int, folder: Path, resume: bool = False, processes: int = 1) -> Sequence[Run]:
+def measure(samples: int, folder: Path, resume: bool, backend: Backend) -> Sequence[Run]:
     """Every controller in every campaign; `FOLDER/progress.jsonl` keeps what is done.
 
     Raises
@@ -64,7 +65,7 @@ def measure(samples: int, folder: Path, resume: bool = False, processes: int = 1
     """
     jobs = Jobs(
         Unit.run,
-        Processes(processes),
+        backend,
         file=folder / "progress.jsonl",
         resume=resume,
         decode=lambda kept: Run(*kept),

@@ -58,7 +58,7 @@ TOPICS = {
     **dict.fromkeys(("formulation", "scheme"), ("feedforward",)),
     **dict.fromkeys(("seeds", "seconds"), ("stream",)),
     "rig": ("feedforward", "stream", "vectors"),
-    **dict.fromkeys(("output", "resume"), ("feedforward", "cranebench")),
+    **dict.fromkeys(("output", "resume", "on"), ("feedforward", "cranebench")),
     **dict.fromkeys(("samples", "json"), ("cranebench",)),
 }
 """Topics that an option is for, where it is not for all."""

@@ -1,8 +1,12 @@
 """What can be asked of a comparison."""
 
+from pathlib import Path
+
 from ...models.errors import OptionError
+from ..jobs import backend_for
 from ..option_values import check_number
 from ..options import Compare
+from .driving import How
 
 
 def check_numbers(command: Compare) -> None:
@@ -27,10 +31,17 @@ def check_one(command: Compare) -> None:
         Naming the option.
     """
     check_numbers(command)
-    for name, given in (
-        ("page", command.page),
-        ("resume", command.resume),
-        ("processes", command.processes > 1),
-    ):
-        if given:
-            raise OptionError(f"--{name} is for `flatrig compare all`, not for {command.rig} alone")
+    if command.page:
+        raise OptionError(f"--page is for `flatrig compare all`, not for {command.rig} alone")
+
+
+def how_of(command: Compare, folder: Path) -> How:
+    """Where contenders are driven, and what is kept of that in the result folder.
+
+    Raises
+    ------
+    OptionError
+        There is no such back end, or it is not installed.
+    """
+    backend = backend_for(command.on, command.processes, folder)
+    return How(backend, folder / "progress.jsonl", command.resume)

@@ -5,26 +5,28 @@
     flatrig compare all --resume                        # go on after an interruption
 
 Each crane and hand is compared as `flatrig compare NAME` does, in a process and with a folder of
-its own; what is done is kept in progress.jsonl.
+its own; what is done is kept in progress.jsonl.  `--on` takes it to other machines.
 """
 
+from base64 import b64decode, b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from ...envs import HandDisturbances, hand_design
 from ...envs.hand.goals import DURATION
 from ...models import CATALOGUE, HAND_CATALOGUE, default_move, fingerprint, make
 from ...models.errors import OptionError
-from ...models.files import make_folder, write_text
+from ...models.files import make_folder, replacing, write_text
 from ...models.hand.catalogue import default_hand_move, make_hand
 from ...models.mjcf.simulate import quiet
 from .. import options
 from ..as_json import json_text, plain, show_json
 from ..console import console, warning
 from ..exits import DONE, NO
-from ..jobs import Jobs, Processes
+from ..jobs import Jobs, backend_for
 from ..policy import shipped
 from ..rig_options import RigOptions
 from ..tables import write_csv
@@ -33,6 +35,7 @@ from .all_report import hand_table, score_rows, table_of_all
 from .check_options import check_numbers
 from .comparison_page import write_page
 from .contenders import EVALUATION_SEED
+from .driving import How
 from .episode_sets import gather, sets_of
 from .figure import draw
 from .report import summary, write
@@ -43,6 +46,10 @@ ALL = "all"
 """What stands for every crane and hand in place of a name."""
 
 
+HIDDEN = How(bar=False)
+"""Behind the bar of all."""
+
+
 @dataclass(frozen=True)
 class Trial:
     """One crane or hand that is to be compared."""
@@ -51,34 +58,34 @@ class Trial:
     scenarios: int
     episodes: int
     sets: tuple[str, ...]
-    folder: str
-    """For its table and figure."""
 
 
 def main(command: options.Compare) -> int:
     """Compare all, print one table, write files and the page; 1 if one could not be compared."""
     check(command)
     folder, out = Path(command.output or FOLDER), console()
+    backend = backend_for(command.on, command.processes, folder, begin=quiet)
     make_folder(folder)
     trials = [
-        Trial(name, command.scenarios, compare_cranes.number_of(command), command.sets,
-              str(folder / name))
+        Trial(name, command.scenarios, compare_cranes.number_of(command), command.sets)
         for name in (*CATALOGUE, *HAND_CATALOGUE)
-    ]  # fmt: skip
+    ]
     jobs = Jobs(
         judged,
-        Processes(command.processes, begin=quiet),
+        backend,
         file=folder / "progress.jsonl",
         resume=command.resume,
         identity=_identity,
     )
     found: dict[str, Mapping[str, Any]] = {}
     failed = []
-    for result in jobs.results(trials):
+    for result in sorted(jobs.results(trials), key=lambda result: result.number):
+        name = result.item.name
         if result.failure is None:
-            found[result.item.name] = result.value
+            found[name] = result.value["summary"]
+            _write_files(folder / name, result.value["files"])
         else:
-            failed.append(f"{result.item.name}: {result.failure}")
+            failed.append(f"{name}: {result.failure}")
     cranes = [found[name] for name in CATALOGUE if name in found]
     hands = [found[name] for name in HAND_CATALOGUE if name in found]
     _write(folder, cranes, hands)
@@ -114,27 +121,42 @@ def check(command: options.Compare) -> None:
 
 
 def judged(trial: Trial) -> dict[str, Any]:
-    """The summary of one crane's or hand's comparison; its files are written on the way."""
+    """The summary of one crane's or hand's comparison, and its files as text in base 64."""
     comparison = _of_hand(trial) if trial.name in HAND_CATALOGUE else _of_crane(trial)
-    folder = Path(trial.folder)
+    with TemporaryDirectory() as name:  # a process on another machine sees no folder of ours
+        folder = Path(name)
+        draw(comparison, folder / "figure.png")
+        write(comparison, folder)
+        files = {path.name: b64encode(path.read_bytes()).decode() for path in folder.iterdir()}
+    return {"summary": plain(summary(comparison)), "files": files}
+
+
+def _write_files(folder: Path, files: Mapping[str, str]) -> None:
+    """Write the files of one crane or hand.
+
+    Raises
+    ------
+    OutputError
+        One cannot be written.
+    """
     make_folder(folder)
-    draw(comparison, folder / "figure.png")
-    write(comparison, folder)
-    return dict(plain(summary(comparison)))
+    for name, text in files.items():
+        with replacing(folder / name) as beside:
+            beside.write_bytes(b64decode(text))
 
 
 def _of_crane(trial: Trial) -> Comparison:
     rig, move = make(trial.name), default_move(trial.name)
     episodes, left_out = gather(rig, move, trial.scenarios, trial.episodes, trial.sets)
     policies = compare_cranes.policies_for(rig)
-    return compare_cranes.compare(rig, episodes, policies, left_out=left_out, bar=False)
+    return compare_cranes.compare(rig, episodes, policies, left_out=left_out, how=HIDDEN)
 
 
 def _of_hand(trial: Trial) -> Comparison:
     hand = make_hand(trial.name)
     move = replace(default_hand_move(hand), duration=DURATION)
     scenarios = hand_design(HandDisturbances.standard(hand), trial.scenarios, EVALUATION_SEED)
-    return compare_hands.compare(hand, move, scenarios, shipped(hand), bar=False)
+    return compare_hands.compare(hand, move, scenarios, shipped(hand), HIDDEN)
 
 
 def _identity(trial: Trial) -> object:

@@ -5,8 +5,7 @@ Latin hypercube from a seed that training never uses, so a difference between tw
 a difference between controllers, and intervals are of paired bootstrap resamples.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from functools import cache, partial
+from collections.abc import Mapping, Sequence
 from math import ceil
 from pathlib import Path
 
@@ -21,22 +20,19 @@ from ..describe.feasible import INFEASIBLE, problems_of
 from ..exits import DONE, refuse
 from ..learned import check
 from ..policy import Policy, shipped
-from ..random_moves import PERIOD
-from .check_options import check_one
+from .check_options import check_one, how_of
 from .contenders import SENSORS, Contender
-from .crane_runner import EpisodeRunner, plans_of
-from .driving import drive_all
+from .crane_entry import CraneEntry, runner_of
+from .driving import ONE_BY_ONE, How, drive_all
 from .episode_sets import OWN, SETS, Episode, gather, sets_of
 from .figure import draw
-from .metrics import LASTING, SETTLED, Record, measure, over_hold
+from .metrics import LASTING, SETTLED, Metrics
 from .report import report
-from .runs import INTERVALS, Column, Comparison, OnSet, Run
+from .runs import INTERVALS, Column, Comparison, OnSet
 from .trajectories import write_trajectories
 
 OTHERS = 0.2
 """How many episodes other sets than that of the own move have by default, over its scenarios."""
-PARTS = 6
-"""Of the time after arrival, in which errors are told apart; of the long hold each is 10 s."""
 COLUMNS = (
     Column("rmse", "tracking\nRMSE [mm]", 1e3, 1),
     Column("largest", "largest\n[mm]", 1e3, 0),
@@ -72,13 +68,14 @@ def main(command: options.Compare) -> int:
     check_one(command)
     sets_of(command.sets)
     folder = Path(command.output or f"results/compare-{command.label()}")
+    how = how_of(command, folder)
     policies = policies_for(rig, command.policy)
     if status := refuse(INFEASIBLE, problems_of(rig, move)):
         return status
     episodes, left_out = episodes_for(rig, move, command)
     make_folder(folder)
     keep = folder / "trajectories" if command.trajectories else None
-    comparison = compare(rig, episodes, policies, keep, left_out)
+    comparison = compare(rig, episodes, policies, keep, left_out, how)
     draw(comparison, folder / "figure.png")
     report(comparison, folder, command.json)
     return DONE
@@ -104,7 +101,7 @@ def compare(
     policies: Mapping[str, Policy],
     keep: Path | None = None,
     left_out: Sequence[str] = (),
-    bar: bool = True,
+    how: How = ONE_BY_ONE,
 ) -> Comparison:
     """Drive the episodes of all sets with every contender.
 
@@ -120,8 +117,8 @@ def compare(
         Folder for the trajectories of every contender; None keeps none.
     left_out
         Sets that the rig cannot make, and why.
-    bar
-        Whether a terminal shows a bar of progress.
+    how
+        Where contenders are driven.
 
     Raises
     ------
@@ -130,24 +127,19 @@ def compare(
     OutputError
         Trajectories cannot be written.
     """
-    every = [episode for chosen in episodes.values() for episode in chosen]
-    plans = plans_of(rig, every, PERIOD)
-    runner = cache(lambda sensors: EpisodeRunner(rig, every, plans, sensors=sensors))
+    given = tuple((name, tuple(chosen)) for name, chosen in episodes.items())
     for sensors, policy in policies.items():
-        check(policy.card, runner(sensors).task)
+        check(policy.card, runner_of(rig, given, sensors).task)
 
-    def drive(entry: Contender) -> dict[str, Run]:
-        wrap = entry.wrap
-        if entry.learned:
-            wrap = partial(wrap, policy=policies[entry.sensors])
-        record = runner(entry.sensors).drive(wrap)
-        if keep is not None:
-            write_trajectories(keep, entry.name, record, episodes)
-        return {name: run_of(entry, part) for name, part in parts_of(record, episodes)}
+    def entry_of(contender: Contender) -> CraneEntry:
+        policy = policies[contender.sensors] if contender.learned else None
+        return CraneEntry(rig, given, contender, policy, keep is not None)
 
-    driven = drive_all("crane", drive, policies, bar)
+    driven = drive_all("crane", entry_of, Metrics, how, policies)
+    if keep is not None:
+        write_trajectories(keep, driven.found)
     sets = {
-        name: OnSet(SETS[name].title, chosen, [runs[name] for runs in driven.runs])
+        name: OnSet(SETS[name].title, chosen, [found.runs[name] for found in driven.found])
         for name, chosen in episodes.items()
     }
     first = next(iter(sets.values()))
@@ -199,18 +191,3 @@ def _origins(rig: Rig, policies: Mapping[str, Policy]) -> str:
         f"{sensors} by {policy.card.training.get('command')}"
         for sensors, policy in policies.items()
     )
-
-
-def run_of(entry: Contender, record: Record) -> Run:
-    """What a record of one set says of a contender."""
-    return Run(entry, record.times, record.distance, measure(record), over_hold(record, PARTS))
-
-
-def parts_of(
-    record: Record, episodes: Mapping[str, Sequence[Episode]]
-) -> Iterator[tuple[str, Record]]:
-    """The part of a record that belongs to each set, in their order."""
-    start = 0
-    for name, chosen in episodes.items():
-        yield name, record.of(slice(start, start + len(chosen)))
-        start += len(chosen)

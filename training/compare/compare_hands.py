@@ -10,7 +10,7 @@ last second of the run, or longer.  An object that is lost stays where it was.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -29,10 +29,12 @@ from ..describe.feasible import INFEASIBLE
 from ..exits import DONE, refuse
 from ..learned import check
 from ..policy import Policy, shipped
-from .check_options import check_one
+from .check_options import check_one, how_of
 from .contenders import EVALUATION_SEED, Contender
-from .driving import drive_all, periods
+from .driving import ONE_BY_ONE, How, drive_all, periods
+from .episode_sets import OWN
 from .figure import draw
+from .kept_runs import Driven, identity_of
 from .metrics import LASTING, lasts
 from .report import report
 from .runs import INTERVALS, Column, Comparison, Run
@@ -96,13 +98,14 @@ def main(command: options.Compare) -> int:
     if command.nominal:
         scenarios = [HandScenario()]
     folder = Path(command.output or f"results/compare-{hand.name}")
+    how = how_of(command, folder)
     try:
         HandVectorEnv(hand, num_envs=1, reference=move)
     except PathError as error:
         return refuse(INFEASIBLE, [str(error)])
     policy = Policy.load(command.policy) if command.policy else shipped(hand)
     make_folder(folder)
-    comparison = compare(hand, move, scenarios, policy)
+    comparison = compare(hand, move, scenarios, policy, how)
     draw(comparison, folder / "figure.png")
     report(comparison, folder, command.json)
     return DONE
@@ -113,8 +116,7 @@ def compare(
     move: HandMove,
     scenarios: Sequence[HandScenario],
     policy: Policy | None = None,
-    *,
-    bar: bool = True,
+    how: How = ONE_BY_ONE,
 ) -> Comparison:
     """Drive the scenarios with every contender for hands; the learned one needs a policy.
 
@@ -123,21 +125,16 @@ def compare(
     OptionError
         The policy does not suit the hand.
     """
-    env = cache(
-        lambda sensors: HandVectorEnv(
-            hand, num_envs=len(scenarios), reference=move, sensors=sensors
-        )
-    )
+    given = tuple(scenarios)
     policies = {} if policy is None else {policy.card.sensors: policy}
     if policy is not None:
-        check(policy.card, env("encoders").task)
+        check(policy.card, _env(hand, move, len(given), "encoders").task)
 
-    def driven(entry: Contender) -> Run:
-        if entry.learned:
-            entry = replace(entry, wrap=partial(entry.wrap, policy=policies[entry.sensors]))
-        return drive(env(entry.sensors), entry, scenarios, move.duration)
+    def entry_of(contender: Contender) -> HandEntry:
+        learned = policies[contender.sensors] if contender.learned else None
+        return HandEntry(hand, move, given, contender, learned)
 
-    done = drive_all("hand", driven, policies, bar=bar)
+    driven = drive_all("hand", entry_of, HandMetrics, how, policies)
     return Comparison(
         kind="hand",
         name=hand.name,
@@ -145,9 +142,9 @@ def compare(
         units=UNITS,
         scenarios=scenarios,
         arrival=move.duration,
-        runs=done.runs,
-        absent=done.absent,
-        refused=done.refused,
+        runs=[found.runs[OWN] for found in driven.found],
+        absent=driven.absent,
+        refused=driven.refused,
         columns=COLUMNS,
         cells={"worst end\n[mm], [deg]": _worst, "reached": _reached, "ended\nearly": _endings},
         notes=f"Move: {move.duration:g} s.  {NOTES}"
@@ -162,6 +159,42 @@ def compare(
             "ended": lambda metrics: sum(map(bool, metrics.ended)),
         },
     )
+
+
+@dataclass(frozen=True)
+class HandEntry:
+    """A contender and what it is to drive: what a process of a comparison works on."""
+
+    hand: Hand
+    move: HandMove
+    scenarios: tuple[HandScenario, ...]
+    contender: Contender
+    policy: Policy | None = None
+    """For a learned contender."""
+
+    def drive(self) -> Driven:
+        """Drive all scenarios.
+
+        Raises
+        ------
+        OptionError
+            The contender does not bear the hand.
+        """
+        contender = self.contender
+        if self.policy is not None:
+            contender = replace(contender, wrap=partial(contender.wrap, policy=self.policy))
+        env = _env(self.hand, self.move, len(self.scenarios), contender.sensors)
+        return Driven({OWN: drive(env, contender, self.scenarios, self.move.duration)})
+
+    def identity(self) -> object:
+        """Everything but the sources that its run depends on."""
+        asked = self.hand, self.move, self.scenarios
+        return asked, identity_of(self.contender, self.policy)
+
+
+@lru_cache(maxsize=3)  # one for each set of sensors
+def _env(hand: Hand, move: HandMove, number: int, sensors: str) -> HandVectorEnv:
+    return HandVectorEnv(hand, num_envs=number, reference=move, sensors=sensors)
 
 
 def drive(

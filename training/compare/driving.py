@@ -1,23 +1,44 @@
-"""Driving the scenarios of a comparison: all of them at once, with one contender after another."""
+"""Driving the episodes of a comparison: all of them at once, with one contender after another.
+
+Or with several side by side: each contender is an item of `Jobs`.
+"""
 
 from collections.abc import Callable, Container, Iterator, Sequence
-from typing import Any, Generic, NamedTuple, TypeVar
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
-from rich.progress import track
 
 from ...models.errors import OptionError
 from ...models.types import Mask
-from ..console import console
+from ..jobs import Backend, Jobs, Processes
 from .contenders import Contender, Plant, contenders_for
+from .kept_runs import Driven, kept, restored
 
-Driven = TypeVar("Driven")
+
+@dataclass(frozen=True)
+class How:
+    """Where contenders are driven, and whether that is kept and shown."""
+
+    backend: Backend = field(default_factory=Processes)
+    file: Path | None = None
+    """File that keeps what contenders did; None keeps nothing."""
+    resume: bool = False
+    """Whether to go on with that file."""
+    bar: bool = True
+    """Whether a terminal shows a bar of progress."""
 
 
-class AllDriven(NamedTuple, Generic[Driven]):
+ONE_BY_ONE = How()
+"""In this process, and nothing is kept."""
+
+
+class AllDriven(NamedTuple):
     """What contenders did, and which of them could do nothing."""
 
-    runs: list[Driven]
+    found: list[Driven]
     """Of every contender that could run."""
     absent: list[Contender]
     """Learned contenders without the policy that they need."""
@@ -27,14 +48,25 @@ class AllDriven(NamedTuple, Generic[Driven]):
 
 def drive_all(
     plant: Plant,
-    drive: Callable[[Contender], Driven],
+    entry_of: Callable[[Contender], Any],
+    metrics: type,
+    how: How,
     policies: Container[str] = (),
-    bar: bool = True,
-) -> AllDriven[Driven]:
+) -> AllDriven:
     """Drive with every contender for a plant.
 
-    Learned ones whose sensors are not among those with `policies` are left out.  A terminal shows a
-    bar of progress meanwhile, unless there is to be none.
+    Parameters
+    ----------
+    plant
+        Whose contenders.
+    entry_of
+        Makes what a process works on: its methods are `drive` and `identity`.
+    metrics
+        Dataclass of the metrics.
+    how
+        Where, and whether that is kept.
+    policies
+        Sensors of learned contenders with a policy; the others are left out.
 
     Raises
     ------
@@ -43,19 +75,27 @@ def drive_all(
     """
     contenders = contenders_for(plant)
     absent = [entry for entry in contenders if entry.learned and entry.sensors not in policies]
-    running = [entry for entry in contenders if entry not in absent]
-    out = console(stderr=True)
-    hidden = not (bar and out.is_terminal)
-    runs: list[Driven] = []
+    entries = [entry_of(entry) for entry in contenders if entry not in absent]
+    jobs: Jobs[Any, Driven] = Jobs(
+        type(entries[0]).drive,
+        how.backend,
+        file=how.file,
+        resume=how.resume,
+        bar=how.bar,
+        encode=kept,
+        decode=partial(restored, metrics),
+        identity=lambda entry: entry.identity(),
+    )
+    found: list[Driven] = []
     refused: dict[str, str] = {}
-    for entry in track(running, "Driving", transient=True, console=out, disable=hidden):
-        try:
-            runs.append(drive(entry))
-        except OptionError as error:
-            refused[entry.name] = str(error)
-    if not runs:
+    for result in sorted(jobs.results(entries), key=lambda result: result.number):
+        if isinstance(result.failure, OptionError):
+            refused[result.item.contender.name] = str(result.failure)
+        else:
+            found.append(result.value)
+    if not found:
         raise OptionError(next(iter(refused.values())))
-    return AllDriven(runs, absent, refused)
+    return AllDriven(found, absent, refused)
 
 
 def periods(

@@ -1,33 +1,28 @@
 """What happened in every episode, written on request: one file of arrays for each contender."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...models.files import make_folder, replacing
 from ...models.types import Array, Mask
+from .kept_runs import Driven
 from .metrics import Record
 
 
-def write_trajectories(
-    folder: Path, contender: str, record: Record, episodes: Mapping[str, Sequence[object]]
+def save_trajectories(
+    file: IO[bytes], record: Record, episodes: Mapping[str, Sequence[object]]
 ) -> None:
-    """Write a record as FOLDER/CONTENDER.npz.
+    """Write a record as a file of arrays (npz).
 
     `set` and `number` (N,) say which episode a column is; `time` (T,); `load` and `reference`
     (T, N, p) [m], `input` (T, N, inputs) over the limits and `tension` (T, N, ropes) [N] are NaN
     after an episode's end, early or not.
-
-    Raises
-    ------
-    OutputError
-        The file cannot be written.
     """
-    make_folder(folder)
     counted = record.counted & record.alive
     kept: dict[str, Any] = {
         "set": np.array([name for name, chosen in episodes.items() for _ in chosen]),
@@ -38,8 +33,22 @@ def write_trajectories(
         "input": _counted(record.inputs, counted),
         "tension": _counted(record.tensions, counted),
     }
-    with replacing(folder / f"{_file_name(contender)}.npz") as beside, beside.open("wb") as file:
-        np.savez_compressed(file, **kept)
+    np.savez_compressed(file, **kept)
+
+
+def write_trajectories(folder: Path, found: Iterable[Driven]) -> None:
+    """Write what contenders did as FOLDER/CONTENDER.npz.
+
+    Raises
+    ------
+    OutputError
+        A file cannot be written.
+    """
+    make_folder(folder)
+    for driven in found:
+        name = next(iter(driven.runs.values())).name
+        with replacing(folder / f"{_file_name(name)}.npz") as beside:
+            beside.write_bytes(driven.trajectories)
 
 
 def _counted(values: Array, counted: Mask) -> NDArray[np.float32]:

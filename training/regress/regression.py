@@ -29,7 +29,7 @@ from ...models.hand.catalogue import default_hand_move, full_hand_name, make_han
 from ...models.mjcf.simulate import quiet
 from .. import options
 from ..console import console, warning
-from ..jobs import Jobs, Processes, record
+from ..jobs import Backend, Jobs, Processes, backend_for, record
 from ..look_up import is_hand
 from ..simulate.drift import free_motion
 from ..tables import write_csv
@@ -57,8 +57,9 @@ def main(command: options.Regress) -> int:
     if not command.update or file.exists():  # what cannot be added to is refused before the runs
         stored, version = baseline.read(file)
     folder, out = Path(command.output or FOLDER), console()
+    backend = backend_for(command.on, command.processes, folder, begin=quiet)
     make_folder(folder)
-    rows = measure(names, folder, command.resume, command.update, command.processes)
+    rows = measure(names, folder, command.resume, command.update, backend)
     numbers = {key: row[name] for row in rows for name, key in row.keys().items()}
     stored = {} if command.update else stored
     departures = baseline.departures(numbers, stored, names)
@@ -90,7 +91,7 @@ def measure(
     folder: Path,
     resume: bool = False,
     repeat: bool = False,
-    processes: int = 1,
+    backend: Backend | None = None,
 ) -> list[Row]:
     """All rows of these models; `FOLDER/progress.jsonl` keeps what is done.
 
@@ -105,7 +106,7 @@ def measure(
         units += [(name, step, repeat) for step in steps]
     jobs = Jobs(
         rows_of,
-        Processes(processes, begin=quiet),
+        backend or Processes(begin=quiet),
         file=folder / "progress.jsonl",
         resume=resume,
         decode=lambda rows: [record(Row, row) for row in rows],

@@ -3,6 +3,7 @@
     flatrig stress                        # all, 10 000 random rigs among them
     flatrig stress --only pulley          # rows of the table whose name has it
     flatrig stress --resume               # go on where a run was interrupted
+    flatrig stress --on slurm --processes 50      # on many machines
 
 A motion is judged by what the solver does not use: rates are integrated and compared with places
 (`rates`), forces are balanced body by body and in MuJoCo (`forces`), what is refused is compared
@@ -35,7 +36,7 @@ from ...models.files import make_folder
 from ...models.mjcf.simulate import quiet
 from .. import options
 from ..console import console, warning
-from ..jobs import Jobs, Processes, Result
+from ..jobs import Jobs, Result, backend_for
 from ..tables import table, write_csv
 from . import (
     episode_cases,
@@ -111,8 +112,7 @@ def run(chosen: Sequence[Case], folder: Path, command: options.Stress) -> list[O
     rigs = sha256(repr({name: build() for name, build in CATALOGUE.items()}).encode()).hexdigest()
     jobs = Jobs(
         attempt,
-        Processes(command.processes, begin=quiet),
-        retries=1,
+        backend_for(command.on, command.processes, folder, begin=quiet),
         file=folder / "progress.jsonl",
         resume=command.resume,
         decode=kept,
