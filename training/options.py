@@ -4,9 +4,9 @@ A command is registered here and nowhere else.  Nothing heavy is imported, so th
 answers at once.
 """
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from tyro.conf import Positional
+from tyro.conf import Positional, arg
 
 from .commands import COMMANDS as COMMANDS  # filled below
 from .commands import command
@@ -144,8 +144,12 @@ class Train(RigOptions):
     """What the policy sees: encoders only, also a noisy sway sensor and load cells, or all."""
     seed: int = 0
     """Seed of the network, the exploration, moves and plants."""
-    seeds: int = 1
-    """Number of runs, with seeds from `seed` on, one after the other."""
+    seeds: Annotated[str, arg(metavar="INT|FIRST:END")] = "1"
+    """Number of runs, with seeds from `seed` on, or their seeds: 0:10 for 0 to 9."""
+    processes: int = 1
+    """Number of them that run side by side."""
+    on: On = "local"
+    """Where they run: local, ray, slurm (docs/how-to/many_machines.md)."""
     minutes: float | None = None
     """Wall-clock time to train for [min], judging not counted; 10 if left out."""
     iterations: int | None = None
@@ -162,7 +166,7 @@ class Train(RigOptions):
     """Result folder; runs/RIG-SENSORS-seedSEED if left out."""
     resume: bool = False
     """Continue from the last checkpoint in the result folder, with its options; only `minutes`,
-    `iterations`, `threads` and `every` may be others."""
+    `iterations`, `threads` and `every` may be others. Of several seeds: go on with all of them."""
 
 
 @command(".learn.plot_runs:main")

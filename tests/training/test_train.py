@@ -138,7 +138,14 @@ def test_a_damaged_checkpoint_is_refused_in_one_line(
         (["--episodes", "0"], "--episodes is 0"),
         (["--seed", "-1"], "--seed is -1"),
         (["--seeds", "2", "-o", "x"], "--seeds names its own folders"),
-        (["--seeds", "2", "--resume"], "--seeds names its own folders"),
+        (["--seeds", "two"], "--seeds is 'two', it must be a number of runs, or seeds as in 0:10"),
+        (["--seeds", "0"], "--seeds is 0, it must be > 0"),
+        (["--seeds", "3:3"], "--seeds is 3:3, it must end after it begins"),
+        (["--seeds", "0:2", "--seed", "1"], "--seeds 0:2 says where to begin: no --seed"),
+        (
+            ["--seeds", "0:2", "--on", "rai"],
+            "--on is 'rai', which is no back end; did you mean ray?",
+        ),
         (["--resume", "-o", "nowhere"], "there is no checkpoint in nowhere"),
     ],
 )

@@ -94,9 +94,9 @@ class Jobs(Generic[Item, Value]):
         """
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
                    TimeElapsedColumn())  # fmt: skip
-        with Progress(
-            *columns, console=console(stderr=True), transient=True, disable=not self.bar
-        ) as bar:
+        out = console(stderr=True)
+        shown = self.bar and out.is_terminal
+        with Progress(*columns, console=out, transient=True, disable=not shown) as bar:
             task = bar.add_task("Running", total=len(items))
             for number, ending in self._endings(items):
                 bar.advance(task)

@@ -22,6 +22,8 @@ from ..provenance import sources
 from .crews import BackendError, Item, Lost, Value, Work, opened, work_off
 
 LOOPBACK = "127.0.0.1"
+LOOPBACKS = (LOOPBACK, "localhost", "::1")
+"""What Ray would replace by the machine's address, also in the address of a cluster."""
 ADDRESS = "RAY_ADDRESS"
 """Variable of Ray's own with the address of a cluster."""
 LOOPBACK_ONLY = {"RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0", "RAY_USAGE_STATS_ENABLED": "0"}
@@ -30,6 +32,9 @@ STORE = 256 * 2**20
 """Memory for items and values on their way, where Ray is begun here [bytes]."""
 PATIENCE = 5.0
 """How long an address may take to answer [s]."""
+GREETING = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes((0, 0, 0, 4, 0, 0, 0, 0, 0))
+"""How a client of gRPC begins: the preface and an empty frame of settings (RFC 9113, 3.4), which
+is answered by such a frame."""
 CHECKS = 1.0
 """Time between two looks at an interruption from the keyboard [s]."""
 
@@ -68,7 +73,7 @@ class _Cluster:
         self, work: Work[Any, Any], items: Mapping[int, Any], count: int, cores: int
     ) -> None:
         address = os.environ.get(ADDRESS, "")
-        if not address:
+        if not address or _parts(address)[0] in LOOPBACKS:
             os.environ.update(LOOPBACK_ONLY)  # before it is loaded
         import ray
 
@@ -77,6 +82,7 @@ class _Cluster:
         self._ours = not ray.is_initialized()
         if self._ours:
             _connect(address) if address else _begin(count * cores)
+            _keep_quiet()
         # Ray's own repetitions would run a suspect beside others.
         self._sealed = ray.remote(num_cpus=cores, max_retries=0)(Work.sealed)
         self._work = ray.put(work)
@@ -130,16 +136,26 @@ def _connect(address: str) -> None:
 
 
 def _must_answer(address: str) -> None:
-    """Refuse an address at which nothing listens, which Ray would try for half a minute."""
-    host, _, port = address.rpartition("/")[2].rpartition(":")
-    if not port.isdecimal():  # "auto", or another of Ray's words
-        return
+    """Refuse an address where no Ray is, at which Ray itself would look for minutes."""
+    host, port = _parts(address)
+    if not port.isdecimal() or os.environ.get("RAY_USE_TLS", "0") != "0":
+        return  # "auto", or something that cannot be asked like this
     try:
-        socket.create_connection((host, int(port)), PATIENCE).close()
+        with socket.create_connection((host, int(port)), PATIENCE) as asked:
+            asked.sendall(GREETING)
+            answer = asked.recv(9)
     except (OSError, OverflowError) as error:
         raise BackendError(
             f"nothing answers at {ADDRESS}={address} ({error}); begin Ray there, or unset {ADDRESS}"
         ) from None
+    if answer[3:4] != GREETING[-6:-5]:  # the frame's type
+        raise BackendError(f"what listens at {ADDRESS}={address} is no Ray; another has that port")
+
+
+def _parts(address: str) -> tuple[str, str]:
+    """Host and port of an address, the latter "" if there is none."""
+    host, _, port = address.rpartition("/")[2].rpartition(":")
+    return host.strip("[]"), port
 
 
 def _begin(cores: int) -> None:
@@ -160,6 +176,13 @@ def _begin(cores: int) -> None:
             f"Ray would listen at {', '.join(addresses)}, open to others, as it was loaded before; "
             + "set " + " ".join(f"{name}={value}" for name, value in LOOPBACK_ONLY.items())
         )  # fmt: skip
+
+
+def _keep_quiet() -> None:
+    """Keep what Ray says about processes that have ended off stdout, which is for results."""
+    from ray._private import worker  # no option and no public function does it
+
+    worker.print_to_stdstream = lambda *_, **__: None
 
 
 def _silent() -> dict[str, Any]:

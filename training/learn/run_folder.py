@@ -21,6 +21,8 @@ TABLES = ("progress.csv", "evaluation.csv")
 """Files to which a run adds rows."""
 FREE = ("minutes", "iterations", "threads", "every", "tensorboard")
 """Options in which the rest of a resumed run may differ from its beginning."""
+OF_THE_CALL = ("rig", "output", "resume", "seeds", "on", "processes")
+"""Options that a run does not go on with."""
 PACKAGES = ("flatrig", "numpy", "mujoco", "gymnasium", "torch", "stable-baselines3")
 """Packages whose versions a result depends on."""
 
@@ -79,7 +81,7 @@ def _with_options(
     values: dict[str, Any] = {}
     for item in fields(command):
         name, value = item.name, getattr(command, item.name)
-        if name in ("rig", "output", "resume", "seeds") or name not in begun_with:
+        if name in OF_THE_CALL or name not in begun_with:
             continue
         if value == item.default:
             values[name] = begun_with[name]

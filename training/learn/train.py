@@ -9,6 +9,7 @@ with the lowest error in these evaluations as policy.safetensors and policy.json
 
 import importlib.util
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,7 @@ from ..describe.feasible import INFEASIBLE, problems_of
 from ..exits import DONE, refuse
 from ..lock import locked
 from .run_folder import check_run, cut_tables, make_run_folder, read_config, write_config
+from .seeds import in_turn, seeds_of, train_seeds
 from .settings import Settings
 
 if TYPE_CHECKING:
@@ -30,15 +32,15 @@ def main(command: options.Train) -> int:
     """Train, with a result folder for each seed."""
     check(command)
     check_extra(command)
-    if command.seeds > 1 and (command.output or command.resume):
-        raise OptionError("--seeds names its own folders and begins anew: no --output, no --resume")
-    for seed in range(command.seed, command.seed + command.seeds):
-        if status := _train(replace(command, seed=seed)):
-            return status
-    return DONE
+    if not in_turn(command):
+        return train_one(replace(command, seed=seeds_of(command)[0]))
+    if status := refuse(INFEASIBLE, problems_of(*command.target())):
+        return status
+    label = f"{command.label()}-{command.sensors}"
+    return train_seeds(command, label, train_one, partial(check_run, resume=False))
 
 
-def _train(command: options.Train) -> int:
+def train_one(command: options.Train) -> int:
     """One run."""
     folder = Path(command.output or f"runs/{command.label()}-{command.sensors}-seed{command.seed}")
     check_run(folder, resume=command.resume)
@@ -92,12 +94,13 @@ def check(command: options.Train) -> None:
     OptionError
         Naming the option.
     """
-    for name in ("minutes", "iterations", "episodes", "threads", "every", "seeds"):
+    for name in ("minutes", "iterations", "episodes", "threads", "every", "processes"):
         value = getattr(command, name)
         if value is not None:
             options.check_number(f"--{name}", value)
-    if not 0 <= command.seed < 2**32:
-        raise OptionError(f"--seed is {command.seed}, it must be in 0 .. {2**32 - 1}")
+    for seed in (seeds_of(command)[0], seeds_of(command)[-1]):
+        if not 0 <= seed < 2**32:
+            raise OptionError(f"--seed is {seed}, it must be in 0 .. {2**32 - 1}")
 
 
 def check_extra(command: options.Train) -> None:

@@ -28,6 +28,7 @@ from ..tables import append_csv
 from .hand_teacher import visible
 from .hand_training import HandRoom, HandTraining, hand_disturbances
 from .run_folder import command_line, make_run_folder, versions
+from .seeds import in_turn, seeds_of, train_seeds
 from .settings import VALIDATION_SEED
 from .train import check
 
@@ -47,18 +48,34 @@ def main(command: options.Train) -> int:
             f"--sensors is {command.sensors}; a hand's residual is for encoders: where the pose is "
             "seen, PoseFeedback leaves nothing to learn"
         )
-    if command.resume:
+    if command.resume and not in_turn(command):
         raise OptionError("--resume is for cranes; a hand takes minutes, train it anew")
-    if command.seeds > 1 and command.output:
-        raise OptionError("--seeds names its own folders: no --output")
+    if not in_turn(command):
+        return train_one(replace(command, seed=seeds_of(command)[0]))
+    name = command.hand_target()[0].name
+    return train_seeds(command, f"{name}-encoders", train_one, check_folder)
+
+
+def check_folder(folder: Path) -> None:
+    """Refuse a folder that holds a run.
+
+    Raises
+    ------
+    OptionError
+        It does.
+    """
+    if (folder / "policy.json").exists():
+        raise OptionError(f"{folder} holds a run already; choose another --output")
+
+
+def train_one(command: options.Train) -> int:
+    """One run."""
     hand, move = command.hand_target()
     if command.duration is None:
         move = replace(move, duration=DURATION)
-    for seed in range(command.seed, command.seed + command.seeds):
-        folder = Path(command.output or f"runs/{hand.name}-encoders-seed{seed}")
-        if (folder / "policy.json").exists():
-            raise OptionError(f"{folder} holds a run already; choose another --output")
-        _train(hand, move, replace(command, seed=seed), folder, console())
+    folder = Path(command.output or f"runs/{hand.name}-encoders-seed{command.seed}")
+    check_folder(folder)
+    _train(hand, move, command, folder, console())
     return DONE
 
 
