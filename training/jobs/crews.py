@@ -82,8 +82,8 @@ class Work(Generic[Item, Value]):
 
     def sealed(self, item: Item) -> bytes:
         """The same, pickled, in a process that is not the caller's."""
-        self._enter()
         try:
+            self._enter()
             if self.sources and sources() != self.sources:
                 raise BackendError(
                     f"{socket.gethostname()} has another flatrig, or other libraries, than this "

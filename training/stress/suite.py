@@ -62,7 +62,6 @@ def main(command: options.Stress) -> int:
         options.check_number(name, getattr(command, name), lowest=lowest, open_end=False)
     chosen = _chosen(list(cases(command.rigs, command.seed)), command.only)
     folder, out = Path(command.output or FOLDER), console()
-    make_folder(folder)
     begin = time.perf_counter()
     outcomes = run(chosen, folder, command)
     columns = [item.name for item in fields(Outcome)]
@@ -108,11 +107,13 @@ def _chosen(known: list[Case], only: str) -> list[Case]:
 
 def run(chosen: Sequence[Case], folder: Path, command: options.Stress) -> list[Outcome]:
     """Outcomes of the cases, in their order; `FOLDER/progress.jsonl` keeps what is done."""
+    backend = backend_for(command.on, command.processes, folder, begin=quiet)
+    make_folder(folder)
     # Cases name rigs of the catalogue, in which others than the package's may be registered.
     rigs = sha256(repr({name: build() for name, build in CATALOGUE.items()}).encode()).hexdigest()
     jobs = Jobs(
         attempt,
-        backend_for(command.on, command.processes, folder, begin=quiet),
+        backend,
         file=folder / "progress.jsonl",
         resume=command.resume,
         decode=kept,
