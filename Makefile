@@ -25,7 +25,7 @@ $(VENV)/.core: pyproject.toml constraints.txt | $(BIN)/python
 
 $(VENV)/.dev: pyproject.toml constraints.txt | $(BIN)/python
 	$(INSTALL) setuptools
-	$(INSTALL) --no-build-isolation --editable '.[dev,train,video,hands,onnx,tools]'
+	$(INSTALL) --no-build-isolation --editable '.[dev,train,video,hands,onnx,ray,slurm,tools]'
 	@mkdir -p $(VENV)/src && ln -sfn ../.. $(VENV)/src/flatrig
 	@touch $@ $(VENV)/.core
 
