@@ -3,14 +3,16 @@
     flatrig stress --on ray                                  # begun here, for this run only
     RAY_ADDRESS=10.0.0.1:6379 flatrig stress --on ray        # a cluster that runs there
 
-Ray has no password: whoever reaches its ports can run what he likes as its user, so that one begun
-here listens on the loopback address only.  `ray.init(_node_ip_address="127.0.0.1")` does not do:
-Ray replaces that by the machine's address, and then listens on every interface.  It leaves the
-loopback address in place where it takes itself for unable to make clusters, as on Windows and
-macOS, and a variable says so on Linux, too.
+Whoever reaches Ray's ports can run what he likes as its user, unless it asks for a token, which by
+itself it does not.  One that is begun here has a token of its own, and listens on the loopback
+address only.  `ray.init(_node_ip_address="127.0.0.1")` does not do: Ray replaces that by the
+machine's address, and then listens on every interface.  It leaves the loopback address in place
+where it takes itself for unable to make clusters, as on Windows and macOS, and a variable says so
+on Linux, too.
 """
 
 import os
+import secrets
 import socket
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
@@ -73,8 +75,7 @@ class _Cluster:
         self, work: Work[Any, Any], items: Mapping[int, Any], count: int, cores: int
     ) -> None:
         address = os.environ.get(ADDRESS, "")
-        if not address or _parts(address)[0] in LOOPBACKS:
-            os.environ.update(LOOPBACK_ONLY)  # before it is loaded
+        _set_variables(address)
         import ray
 
         self._ray, self._items, self._cores = ray, items, cores
@@ -124,6 +125,16 @@ class _Cluster:
             self._ray.shutdown()
 
 
+def _set_variables(address: str) -> None:
+    """What Ray reads as it is loaded."""
+    os.environ.setdefault("RAY_BACKEND_LOG_LEVEL", "error")
+    if not address or _parts(address)[0] in LOOPBACKS:
+        os.environ.update(LOOPBACK_ONLY)
+    if not address and "RAY_AUTH_MODE" not in os.environ:
+        os.environ["RAY_AUTH_MODE"] = "token"
+        os.environ["RAY_AUTH_TOKEN"] = secrets.token_hex(32)
+
+
 def _connect(address: str) -> None:
     """Connect to a cluster that runs."""
     import ray
@@ -132,7 +143,10 @@ def _connect(address: str) -> None:
     try:
         ray.init(address=address, **_silent())
     except Exception as error:
-        raise BackendError(f"Ray does not answer at {address}: {_first_line(error)}") from None
+        raise BackendError(
+            f"Ray does not let us in at {ADDRESS}={address}: {_first_line(error)}; it may have "
+            "another version, or another RAY_AUTH_TOKEN"
+        ) from None
 
 
 def _must_answer(address: str) -> None:
