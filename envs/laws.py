@@ -31,7 +31,7 @@ from ..models.errors import OptionError
 from ..models.types import Array
 from .common import Ids
 from .episodes import AnyTask, Task
-from .option_checks import actions_of
+from .option_checks import actions_of, ids_of, states_of
 from .remembering import Remembering
 from .states import EpisodeState
 
@@ -144,13 +144,15 @@ class VectorController(  # type: ignore[override]
                 self._recall(state, sim)
         return begun
 
-    def get_state(self, ids: Ids | None = None) -> list[EpisodeState]:
+    def get_state(self, ids: Sequence[int] | Ids | None = None) -> list[EpisodeState]:
         """Episodes as they are, with what is remembered here, see `flatrig.envs.states`."""
-        sims = range(self.num_envs) if ids is None else ids.tolist()
+        sims = ids_of(ids, self.num_envs, "simulations").tolist()
         below = self._below.get_state(ids)
         return [self._adds(state, sim) for sim, state in zip(sims, below, strict=True)]
 
-    def set_state(self, states: Sequence[EpisodeState], ids: Ids | None = None) -> None:
+    def set_state(
+        self, states: Sequence[EpisodeState], ids: Sequence[int] | Ids | None = None
+    ) -> None:
         """Go on with episodes from where they were, in some simulations or all.
 
         Raises
@@ -158,11 +160,13 @@ class VectorController(  # type: ignore[override]
         OptionError
             One is no state of such an environment with these controllers; then nothing has changed.
         """
+        ids = ids_of(ids, self.num_envs, "simulations")
+        states = states_of(states, len(ids), "simulations")
         for state in states:
             self._check(state)
         self._below.set_state(states, ids)
-        for sim, state in zip(range(self.num_envs) if ids is None else ids, states, strict=True):
-            self._recall(state, int(sim))
+        for sim, state in zip(ids.tolist(), states, strict=True):
+            self._recall(state, sim)
 
 
 def task_of(env: AnyEnv) -> AnyTask:

@@ -12,6 +12,7 @@ from ..models.arguments import keywords_of, known_keywords
 from ..models.errors import OptionError, did_you_mean
 from ..models.types import Array, Mask
 from ..models.values import bounded, reals, shown
+from .common import Ids
 
 VIEW = ("width", "height", "camera")
 """Options of pictures, see `flatrig.envs.rendering`."""
@@ -109,6 +110,43 @@ def _refuse(actions: Array, wrong: Mask, names: Sequence[str]) -> None:
     if said:
         more = f" and {len(places) - NAMED} more" if len(places) > NAMED else ""
         raise OptionError(f"actions must be finite: {'; '.join(said)}{more}")
+
+
+def ids_of(ids: Sequence[int] | Ids | None, num: int, what: str) -> Ids:
+    """Some of n simulations, `what` in messages, or all.
+
+    Raises
+    ------
+    OptionError
+        They are no numbers of simulations, or one is named twice.
+    """
+    if ids is None:
+        return np.arange(num, dtype=np.int32)
+    try:
+        given = np.asarray(ids)
+    except ValueError:  # lists of several lengths
+        given = np.zeros(0)
+    whole = given.ndim == 1 and (np.issubdtype(given.dtype, np.integer) or not given.size)
+    if not whole or not ((given >= 0) & (given < num)).all() or len({*given.tolist()}) < len(given):
+        raise OptionError(
+            f"ids is {shown(ids)}, it must be different numbers of {what}, from 0 to {num - 1}"
+        )
+    return given.astype(np.int32)
+
+
+def states_of(states: object, count: int, what: str) -> list[Any]:
+    """States as a list, one for each of `count` simulations.
+
+    Raises
+    ------
+    OptionError
+        They are none.
+    """
+    if not isinstance(states, list | tuple):
+        raise OptionError(f"states is {shown(states)}, it must be a list of what get_state gave")
+    if len(states) != count:
+        raise OptionError(f"state has {len(states)} entries for {count} {what}")
+    return list(states)
 
 
 def substeps_of(rate: float, timestep: float) -> int:

@@ -16,7 +16,7 @@ from ..models.types import Array, Mask
 from ..models.values import shown
 from .common import Ids, Outcome
 from .infos import with_masks
-from .option_checks import check_alone, check_options, mode_of, seed_of
+from .option_checks import check_alone, check_options, ids_of, mode_of, seed_of, states_of
 from .rendering import View
 from .spaces import action_space, observation_space
 from .states import EpisodeState
@@ -158,20 +158,22 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
         last = {"final_obs": final, "final_info": with_masks(self.task.info(), over)}
         return last | {f"_{name}": over.copy() for name in last}
 
-    def get_state(self, ids: Ids | None = None) -> list[EpisodeState]:
+    def get_state(self, ids: Sequence[int] | Ids | None = None) -> list[EpisodeState]:
         """Episodes as they are, of some simulations or all, see `flatrig.envs.states`.
 
         Raises
         ------
         OptionError
-            One has not begun.
+            One has not begun, or `ids` are none.
         """
-        sims = (self.task.all if ids is None else ids).tolist()
+        sims = ids_of(ids, self.num_envs, self.what).tolist()
         return [
             replace(self.task.save(sim), generator=deepcopy(self._generators[sim])) for sim in sims
         ]
 
-    def set_state(self, states: Sequence[EpisodeState], ids: Ids | None = None) -> None:
+    def set_state(
+        self, states: Sequence[EpisodeState], ids: Sequence[int] | Ids | None = None
+    ) -> None:
         """Go on with episodes from where they were, in some simulations or all.
 
         Raises
@@ -180,9 +182,8 @@ class TaskVectorEnv(TaskFace[TaskT], VectorEnv[Array, Any, Any]):
             There is not one for each, one is no state, or of a plant, sensors or rates that are
             others; then nothing has changed.
         """
-        ids = self.task.all if ids is None else ids
-        if len(states) != len(ids):
-            raise OptionError(f"state has {len(states)} entries for {len(ids)} {self.what}")
+        ids = ids_of(ids, self.num_envs, self.what)
+        states = states_of(states, len(ids), self.what)
         self.task.restore(ids, states)
         for sim, state in zip(ids.tolist(), states, strict=True):
             if state.generator is not None:

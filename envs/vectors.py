@@ -13,6 +13,9 @@ import gymnasium as gym
 from gymnasium.envs.registration import EnvSpec, VectorizeMode, WrapperSpec, load_env_creator
 from gymnasium.vector import VectorEnv
 
+from ..models.errors import OptionError, did_you_mean
+from ..models.values import bounded, shown
+
 
 def make_vec(
     id: str | EnvSpec,
@@ -40,12 +43,18 @@ def make_vec(
         environments of the others.  Controllers fit both.
     **options
         Of the environment.
+
+    Raises
+    ------
+    OptionError
+        The mode is unknown, there are no simulations, or wrappers are no list of functions.
     """
     given = id.kwargs if isinstance(id, EnvSpec) else {}
-    mode = given.get("vectorization_mode", vectorization_mode)
-    around = tuple(wrappers or given.get("wrappers") or ())
+    mode = _mode(given.get("vectorization_mode", vectorization_mode))
+    bounded("num_envs", num_envs, least=1, whole=True)
+    around = _checked(wrappers or given.get("wrappers") or ())
     extra = dict(vector_kwargs or {})
-    if mode is not None and VectorizeMode(mode) is not VectorizeMode.VECTOR_ENTRY_POINT:
+    if mode not in (None, VectorizeMode.VECTOR_ENTRY_POINT):
         return gym.make_vec(id, num_envs, mode, extra, around, **options)
     if isinstance(id, EnvSpec):
         around = (*_functions(id.additional_wrappers), *around)
@@ -54,6 +63,26 @@ def make_vec(
     for wrapper in around:
         vector = wrapper(vector)
     return vector  # type: ignore[no-any-return]
+
+
+def _mode(value: Any) -> VectorizeMode | None:
+    """The option `vectorization_mode`."""
+    for mode in VectorizeMode:
+        if value in (mode, mode.value):
+            return mode
+    if value is None:
+        return None
+    near = did_you_mean(str(value), [mode.value for mode in VectorizeMode])
+    raise OptionError(f"vectorization_mode is {shown(value)}, there is no such mode{near}")
+
+
+def _checked(wrappers: Any) -> tuple[Callable[[Any], Any], ...]:
+    """The option `wrappers`."""
+    if not isinstance(wrappers, list | tuple) or not all(map(callable, wrappers)):
+        raise OptionError(
+            f"wrappers is {shown(wrappers)}, it must be a list of functions, such as [PD]"
+        )
+    return tuple(wrappers)
 
 
 def _functions(wrappers: Iterable[WrapperSpec]) -> Iterable[Callable[[Any], Any]]:

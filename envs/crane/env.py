@@ -8,7 +8,7 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import ArrayLike
 
 from ..common import Ids
-from ..option_checks import check_task_options
+from ..option_checks import check_task_options, ids_of
 from ..rendering import view_of
 from ..task_env import TaskEnv
 from ..task_vector_env import TaskVectorEnv
@@ -65,10 +65,12 @@ class CraneVectorEnv(TaskVectorEnv[CraneTask]):
         view = view_of(options)
         super().__init__(crane_task(rig, num_envs, **options), render_mode, autoreset_mode, view)
 
-    def redirect(self, references: Sequence[object], ids: Ids | None = None) -> None:
+    def redirect(
+        self, references: Sequence[object], ids: Sequence[int] | Ids | None = None
+    ) -> None:
         """Give episodes other references from now on, see `CraneTask.redirect`."""
-        self.task.redirect(references, ids)
+        self.task.redirect(references, ids_of(ids, self.num_envs, self.what))
 
-    def lead(self, velocities: ArrayLike, ids: Ids | None = None) -> None:
+    def lead(self, velocities: ArrayLike, ids: Sequence[int] | Ids | None = None) -> None:
         """Lead loads by velocities in the next step, see `CraneTask.lead`."""
-        self.task.lead(velocities, ids)
+        self.task.lead(velocities, ids_of(ids, self.num_envs, self.what))

@@ -259,3 +259,37 @@ def test_a_state_must_know_the_controllers_and_stand_alone():
     vector.reset(seed=0)
     with pytest.raises(models.OptionError, match="state has 1 entries for 2 cranes"):
         vector.unwrapped.set_state([state])
+
+
+@pytest.mark.parametrize("wrap", [lambda vector: vector, controlled])
+def test_states_of_some_simulations_and_wrong_ones(wrap):
+    vector = wrap(gym.make_vec(OVERHEAD, num_envs=3, nthread=1))
+    vector.reset(seed=0)
+    vector.step(noise(vector, 1)[0])
+    two = vector.get_state([0, 2])
+    vector.set_state(two[::-1], [1, 2])
+    third, fourth = (vector.get_state([sim])[0] for sim in (1, 2))
+    np.testing.assert_array_equal(third.physics, two[1].physics)
+    np.testing.assert_array_equal(fourth.physics, two[0].physics)
+    for wrong in ([3], [-1], [0, 0], 0, "ab", [0.5], [[0]], [[0], [1, 2]]):
+        with pytest.raises(models.OptionError, match="it must be different numbers of"):
+            vector.get_state(wrong)
+    for wrong in (3, two[0], None):
+        with pytest.raises(models.OptionError, match="it must be a list of what get_state gave"):
+            vector.set_state(wrong)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"vectorization_mode": "sinc"}, "there is no such mode; did you mean sync or async?"),
+        ({"wrappers": envs.PD}, "it must be a list of functions, such as [PD]"),
+        ({"wrappers": [3]}, "wrappers is [3], it must be a list of functions"),
+        ({"num_envs": 0, "vectorization_mode": "sync"}, "num_envs is 0, it must be a whole number"),
+    ],
+)
+def test_wrong_vectors_get_one_line(options, message):
+    with pytest.raises(models.OptionError) as caught:
+        envs.make_vec(OVERHEAD, **options)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
