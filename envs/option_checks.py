@@ -125,7 +125,7 @@ def ids_of(ids: Sequence[int] | Ids | None, num: int, what: str) -> Ids:
     try:
         given = np.asarray(ids)
     except ValueError:  # lists of several lengths
-        given = np.zeros(0)
+        given = np.zeros(1)
     whole = given.ndim == 1 and (np.issubdtype(given.dtype, np.integer) or not given.size)
     if not whole or not ((given >= 0) & (given < num)).all() or len({*given.tolist()}) < len(given):
         raise OptionError(

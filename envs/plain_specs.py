@@ -1,8 +1,9 @@
 """Specs of environments as plain values, so that they can be written as JSON and read again.
 
 A `Rig` or a `Hand` becomes its TOML text, with the move where a `Move` is the reference; a
-`HandMove` and ranges of disturbances become names and numbers; modes and paths texts.  What has no
-such form, a function that draws, stays what it is, and environments are not made of its JSON.
+`HandMove`, `Ropes` and ranges of disturbances become names and numbers; modes and paths texts.
+What has no such form, a function that draws, stays what it is, and environments are not made of its
+JSON.
 """
 
 from collections.abc import Mapping
@@ -51,7 +52,7 @@ def _plain(value: object) -> object:
         return fspath(value)
     if isinstance(value, Ranges) and not value.added:
         return {item.name: getattr(value, item.name) for item in fields(value)}
-    if isinstance(value, models.HandMove):
+    if isinstance(value, models.HandMove | models.Ropes):
         changed = [item for item in fields(value) if getattr(value, item.name) != item.default]
         return {item.name: getattr(value, item.name) for item in changed}
     if isinstance(value, Mapping):

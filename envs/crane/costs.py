@@ -24,10 +24,11 @@ class Costs:
     """The costs of n simulations."""
 
     def __init__(self, plant: Plant, band: Band) -> None:
-        pulls = home_pulls(plant, mujoco.MjData(plant.model))[list(plant.rig.pulling)]
-        room = np.full(plant.margins.shape[1], NEAR * plant.geometry.scales.length)
-        room[: len(pulls)] = SCARCE * np.abs(pulls)
-        self._plant, self._per_room = plant, 1.0 / room
+        self._pulling = list(plant.rig.pulling)
+        pulls = home_pulls(plant, mujoco.MjData(plant.model))[self._pulling]
+        self._plant, self._per_pull = plant, 1.0 / (SCARCE * np.abs(pulls))
+        self._per_room = 1.0 / (NEAR * plant.geometry.scales.length)
+        self._first = plant.margins.shape[1] - len(plant.geometry.reasons)
         with np.errstate(divide="ignore"):
             sides = np.array((1.0 / band.highest, 1.0 / band.lowest))
         self._sides = np.where(np.isfinite(sides), sides, 0.0)  # a drive that gives nothing there
@@ -35,5 +36,8 @@ class Costs:
     def of(self, commands: Array) -> Array:
         """Costs (n,) after the last commands (n, drives)."""
         used = (commands[:, None] * self._sides).max(axis=(1, 2))
-        short = 1.0 - (self._plant.margins * self._per_room).min(axis=1)
+        plant = self._plant
+        taut = (plant.tensions[:, self._pulling] * self._per_pull).min(axis=1, initial=np.inf)
+        away = plant.margins[:, self._first :].min(axis=1) * self._per_room
+        short = 1.0 - np.minimum(taut, away)
         return np.asarray(np.clip(np.maximum(short, (used - 1.0) / CLOSE + 1.0), 0.0, 1.0))

@@ -17,6 +17,8 @@ import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
+from ...models.mjcf.ropes import spool, stretch_of
+from ...models.rig.chain import joint_names
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from .disturbances import Scenario
@@ -42,10 +44,22 @@ class Places:
         drives = [drive.on for drive in rig.drives]
         trolleys = [trolley.coordinate for trolley in rig.trolleys]
         self.ropes = [tendons[rope.name] for rope in rig.ropes]
-        self.winches = [tendons[rope.name] for rope in rig.ropes if rope.name in drives]
+        driven = [rope for rope in rig.ropes if rope.name in drives]
+        self.loose = gives_way(rig, model)
+        """Whether ropes stretch, so that winches rub by themselves: on the joints of spools."""
+        self.winches = [] if self.loose else [tendons[rope.name] for rope in driven]
+        self.spools = [_freedom(model, spool(rope)) for rope in rig.ropes] if self.loose else []
+        self.turned = [_freedom(model, spool(rope)) for rope in driven] if self.loose else []
         self.sums = [tendons[name] for name in trolleys if name in tendons]
         self.slides = [_freedom(model, name) for name in trolleys if name not in tendons]
         self.frames = [_freedom(model, frame.coordinate) for frame in rig.frames]
+
+
+def gives_way(rig: Rig, model: mujoco.MjModel) -> bool:
+    """Whether a model has ropes that give way, and spools therefore."""
+    held = {model.tendon(int(tendon)).name for tendon in model.eq_obj1id}
+    spooled = model.nq > len(joint_names(rig))
+    return bool(spooled and not any(stretch_of(rope) in held for rope in rig.ropes))
 
 
 def _freedom(model: mujoco.MjModel, joint: str) -> int:
@@ -58,10 +72,13 @@ class DryFriction:
     def __init__(self, rig: Rig, model: mujoco.MjModel, batch: Batch, frames: bool) -> None:
         num, freedoms = batch.nsim, model.nv
         self._at = at = Places(rig, model)
-        self._tendons = at.ropes + at.sums
+        self._tendons = at.sums if at.loose else at.ropes + at.sums
         self._held = [int(tendon) for tendon in model.eq_obj1id]
-        """Tendons that an equality holds, whose forces are no friction."""
-        self._slides = at.slides + (at.frames if frames else [])
+        """Tendons that an equality or a limit holds, whose forces are no friction."""
+        self._held += np.flatnonzero(model.tendon_limited).tolist()
+        self._slides = at.spools + at.slides + (at.frames if frames else [])
+        first = len(self._tendons) if at.loose else 0
+        self._of_ropes = slice(first, first + len(at.ropes))
         self._on_tendon = batch.expand("tendon_frictionloss")
         self._on_joint = batch.expand("dof_frictionloss")
         self._rates, self._speeds = batch.bind("ten_velocity"), batch.bind("qvel")
@@ -106,6 +123,7 @@ class DryFriction:
         at, (on_tendon, on_joint) = self._at, self._coulomb
         on_tendon[sim], on_joint[sim] = self._described
         on_tendon[sim, at.winches] += scenario.winch_friction
+        on_joint[sim, at.turned] += scenario.winch_friction
         on_tendon[sim, at.sums] += scenario.trolley_friction
         on_joint[sim, at.slides] += scenario.trolley_friction
         on_joint[sim, at.frames] += scenario.frame_friction
@@ -147,13 +165,12 @@ class DryFriction:
             axis=-1,
         )
         if self._crowded is not None:
-            return self._crowded.forces(directions, bearable)[:, : len(self._at.ropes)]
+            return self._crowded.forces(directions, bearable)[:, self._of_ropes]
         pairs = (directions[:, :, None, :] * directions[:, None, :, :]).sum(-1)
         diagonal = np.arange(pairs.shape[-1])
         pairs[:, diagonal, diagonal] += FAINT / (bearable + FAINT)
         along = (directions * self._force[:, None, :]).sum(-1)
-        ropes = len(self._at.ropes)
-        return np.asarray(np.linalg.solve(pairs, along[..., None])[:, :ropes, 0])
+        return np.asarray(np.linalg.solve(pairs, along[..., None])[:, self._of_ropes, 0])
 
 
 class SoftFriction:
@@ -195,18 +212,21 @@ class ViscousFriction:
         self._on_tendon = batch.expand("tendon_damping")
         self._on_joint = batch.expand("dof_damping")
         self._described = (model.tendon_damping.copy(), model.dof_damping.copy())
-        self._rates = batch.bind("ten_velocity")
+        self._rates, self._speeds = batch.bind("ten_velocity"), batch.bind("qvel")
 
     def set(self, sim: int, scenario: Scenario) -> None:
         """Friction of one simulation."""
         at, on_tendon, on_joint = self._at, self._on_tendon, self._on_joint
         on_tendon[sim], on_joint[sim] = self._described
         on_tendon[sim, at.winches] += scenario.winch_viscous
+        on_joint[sim, at.turned] += scenario.winch_viscous
         on_tendon[sim, at.sums] += scenario.trolley_viscous
         on_joint[sim, at.slides] += scenario.trolley_viscous
         on_joint[sim, at.frames] += scenario.frame_viscous
 
     def read(self) -> Array:
         """Force along each rope, (n, ropes) [N]; negative while it is paid out."""
-        ropes = self._at.ropes
+        ropes, spools = self._at.ropes, self._at.spools
+        if spools:
+            return np.asarray(-self._on_joint[:, spools] * self._speeds[:, spools])
         return np.asarray(-self._on_tendon[:, ropes] * self._rates[:, ropes])

@@ -1,8 +1,7 @@
 """The simulations behind the environments: `mujoco.batch` with the rig's own names for things.
 
-A `Plant` holds n simulations of one rig.  Each has its own load mass, friction and wind; inputs
-are held over a control period of several substeps, and everything that is read afterwards belongs
-to the new state under the inputs still held.
+Each has its own load mass, friction and wind.  What is read after a control period belongs to the
+new state under the inputs still held.
 """
 
 from collections.abc import Sequence
@@ -10,7 +9,8 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from ...models.mjcf.rig_state import State, coordinates, joint_state, points
+from ...models.mjcf.rig_state import State, coordinates, points
+from ...models.mjcf.ropes import Ropes
 from ...models.mjcf.swinging import way
 from ...models.rig.chain import joint_names, weighed
 from ...models.rig.idealised import with_ideal_gears
@@ -28,6 +28,7 @@ from .outputs import Outputs
 from .payloads import payload_bodies, turns
 from .plan import CranePlan
 from .plant_model import plant_model
+from .stretching import Stretching
 from .tensions import RopeForces, sensed
 from .wind import Wind, heading
 
@@ -52,8 +53,6 @@ class Plant(Simulations[CranePlan, Scenario]):
         where ropes are constraints or hold beams.
     reasons
         For each column of `margins`, why.
-    simulated
-        The rig that MuJoCo knows, whose gears lose nothing.
     """
 
     stage = ACCELERATIONS
@@ -69,13 +68,16 @@ class Plant(Simulations[CranePlan, Scenario]):
         frame_friction: bool = False,
         rates: bool = False,
         massless: float | None = None,
+        ropes: str | Ropes = "rigid",
         nthread: int | None = None,
     ) -> None:
-        self.rig, self.simulated = rig, with_ideal_gears(rig)
-        model = plant_model(rig, timestep, friction, rates, massless)
+        self.rig, self.simulated = rig, with_ideal_gears(rig)  # in MuJoCo gears lose nothing
+        self.stretching = Stretching(rig, ropes)
+        model = plant_model(rig, timestep, friction, rates, massless, ropes)
         self.geometry = geometry_of(rig, model, np.array(model.key_qpos[0]))
-        if sensed(rig, self.geometry):
-            model = plant_model(rig, timestep, friction, rates, massless, ends=True)
+        if sensed(rig, model, self.geometry):
+            model = plant_model(rig, timestep, friction, rates, massless, ropes, ends=True)
+        self.stretching.check(model)
         super().__init__(model, num, len(rig.drives), substeps, nthread)
         self.home = np.array(self.model.key_qpos[0])
         self._bind()
@@ -152,7 +154,7 @@ class Plant(Simulations[CranePlan, Scenario]):
 
     def at_rest(self, plan: CranePlan) -> Array:
         """Joints (nq,) where a plan begins."""
-        return np.asarray(joint_state(self.rig, self.model, plan.start).qpos)
+        return self.stretching.at_rest(self.model, plan.start, plan.inputs)
 
     def drives_at(self, joints: Array) -> Array:
         """Drive positions (drives,) at joints (nq,)."""
@@ -187,7 +189,7 @@ class Plant(Simulations[CranePlan, Scenario]):
         num, geometry = self.num, self.geometry
         ropes, clearances = len(self.rig.tension_names), len(geometry.reasons)
         joints, size = geometry.spans.shape[-1], self.model.nq
-        pulling = list(self.rig.pulling)
+        pulling = [] if self.stretching.slackens else list(self.rig.pulling)
         self._pulling = pulling if len(pulling) < ropes else None
         self.reasons = (SLACK,) * len(pulling) + geometry.reasons
         rows = (np.zeros((ropes, joints)), geometry.clearances, geometry.spans.reshape(-1, joints))
@@ -269,8 +271,7 @@ class Plant(Simulations[CranePlan, Scenario]):
     def _placed(self, joints: Array, scenario: Scenario) -> Array:
         """Joints with each hanging load swung about what it hangs from, its rope or link as long.
 
-        A platform stays upright: it moves as its first corner would about what that hangs from.
-        On links that hang from what swings it moves as that does.
+        A platform stays upright: it moves as its first corner would, or what its links hang from.
         """
         if not scenario.swing:
             return joints
@@ -278,8 +279,7 @@ class Plant(Simulations[CranePlan, Scenario]):
         values, _ = coordinates(self.rig, self.model, state)
         place = {name: motion[0, 0] for name, motion in points(self.rig, *state).items()}
         corners = {anchor.name: anchor.frame for anchor in self.rig.anchors}
-        moved: set[str] = set()
-        shifts: dict[str, Array] = {}
+        moved, shifts = set[str](), dict[str, Array]()
         for end, above in hangers(self.rig).items():
             length = float(np.linalg.norm(place[end] - place[above]))
             aside = np.sin(scenario.swing) * heading(self.rig, scenario.swing_direction)
@@ -295,4 +295,4 @@ class Plant(Simulations[CranePlan, Scenario]):
             place[name] = swung
             for axis in self.rig.axes:
                 values[f"{name}.{axis}"] = swung["xyz".index(axis), None]
-        return np.asarray(joint_state(self.rig, self.model, values).qpos[0])
+        return self.stretching.moved(self.model, joints, values)

@@ -2,7 +2,8 @@
 
 import mujoco
 
-from ...models.mjcf import described_friction, rig_model
+from ...models.mjcf import described_friction, rig_model, rigging
+from ...models.mjcf.ropes import Ropes, ropes_of, spool
 from ...models.rig.idealised import with_ideal_gears
 from ...models.rig.rig import Rig
 from ..simulations import let_errors_show
@@ -17,6 +18,7 @@ def plant_model(
     friction: bool,
     rates: bool,
     massless: float | None,
+    ropes: str | Ropes = "rigid",
     ends: bool = False,
 ) -> mujoco.MjModel:
     """The rig's bare physics, with sensors of the loads' velocities and of ropes if asked for."""
@@ -35,6 +37,12 @@ def plant_model(
             if drive.efficiency != 1.0:
                 name = driven_name(rig.driven(drive))
                 described_friction.harden(scene.tendon(name) or scene.joint(name), timestep)
+        if ropes_of(ropes, rig).kind in ("elastic", "slack"):
+            for rope in rig.ropes:
+                rigging.lay(scene, rope.name, rope.path, rope.falls)  # whose length is read
+                # MuJoCo scales friction by the mass of bodies, without what joints have of it.
+                body, joint = scene.body(spool(rope)), scene.joint(spool(rope))
+                body.mass, joint.armature = rope.inertia_along, 0.0
         if ends:
             follow_ropes(scene, rig)
 
@@ -44,5 +52,6 @@ def plant_model(
         visuals=False,
         friction=friction or loses(rig),
         massless=massless,
+        ropes=ropes,
         extend=extend,
     )

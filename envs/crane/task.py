@@ -10,7 +10,7 @@ controllers of `flatrig.envs.controllers` read what encoders measure and what th
 A simulation's episode depends on its own generator, scenario and actions only, to the last bit.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from os import PathLike
 from typing import Any
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from ... import models
 from ...models.errors import FlatrigError
+from ...models.mjcf.ropes import Ropes
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..acting import Acting
@@ -42,6 +43,7 @@ from .plan import layout_of
 from .plant import Plant
 from .references import CranePlanner, ReferenceOption, rig_and_move
 from .residual_share import taut_share
+from .stretching import given_ropes
 from .tuning import gains_along, gains_of
 
 
@@ -82,6 +84,9 @@ class CraneTask(LiveTask):
         How plants change during an episode, see `flatrig.envs.crane.changes`.
     massless
         Stands in for the mass of free pulleys that have none [kg], see `flatrig.models.compile`.
+    ropes
+        "rigid", "elastic", "slack" or `models.Ropes` with their numbers: ropes that stretch, or go
+        slack, which then ends no episode.  References and feedforward know nothing of it.
     nthread
         Threads of the simulation; results do not depend on it.
 
@@ -112,10 +117,11 @@ class CraneTask(LiveTask):
         cost: bool = False,
         changes: Script | Sequence[Change] | None = None,
         massless: float | None = None,
+        ropes: str | Ropes | Mapping[str, Any] = "rigid",
         nthread: int | None = None,
     ) -> None:
         self.rig, move = rig_and_move(rig)
-        self.massless = massless
+        self.massless, self.ropes = massless, given_ropes(ropes)
         substeps = self._prepare(
             num, sensors, rate, timestep, hold, max_episode_steps, entries, noise, cost, nthread
         )
@@ -131,6 +137,7 @@ class CraneTask(LiveTask):
             frame_friction=self.disturbances.frame_friction[1] > 0,
             rates=sensors == "full",
             massless=massless,
+            ropes=self.ropes,
             nthread=nthread,
         )
         self.scales = self.plant.geometry.scales
@@ -163,16 +170,24 @@ class CraneTask(LiveTask):
         if plan is None:
             with suppress(FlatrigError):  # a rig of one's own may have no move
                 plan = self.planner.plan(self.planner.default())
-        return taut_share(self.plant, plan, self.limits)
+        plant = self.plant
+        if plant.stretching.stretches:  # of ropes that give way inputs change nothing at once
+            step = float(plant.model.opt.timestep)
+            plant = Plant(self.rig, 1, timestep=step, substeps=1, massless=self.massless)
+        return taut_share(plant, plan, self.limits)
 
     def _made(self) -> dict[str, object]:
         friction = self.disturbances.friction, self.disturbances.frame_friction[1] > 0
-        kind = {"massless": self.massless, "friction (of anything, of frames)": friction}
+        kind = {
+            "massless": self.massless,
+            "ropes": self.ropes,
+            "friction (of anything, of frames)": friction,
+        }
         return {"rig": self.rig, **super()._made(), **kind}
 
     def looks(self) -> mujoco.MjModel:
         """The model with everything that is drawn."""
-        return models.compile(self.plant.simulated, massless=self.massless)
+        return models.compile(self.plant.simulated, massless=self.massless, ropes=self.ropes)
 
     def _truth(self) -> dict[str, NDArray[Any]]:
         return {

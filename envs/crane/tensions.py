@@ -15,7 +15,7 @@ import numpy as np
 from mujoco.batch import Batch
 
 from ...models.mjcf.rig_state import tensions
-from ...models.rig.chain import apart, weighed
+from ...models.rig.chain import joint_names, weighed
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from .geometry import Geometry, evenly
@@ -24,14 +24,19 @@ RATE, SECOND = "rate", "second"
 """What sensors of a rope's points are called behind the point."""
 
 
-def sensed(rig: Rig, geometry: Geometry) -> bool:
+def sensed(rig: Rig, model: mujoco.MjModel, geometry: Geometry) -> bool:
     """Whether sensors tell of the ropes' spans, see `follow_ropes`."""
-    return not (geometry.affine or _balanced(rig))
+    return not (geometry.affine or _balanced(rig, model))
 
 
-def _balanced(rig: Rig) -> bool:
-    """Whether tensions follow from the spools of ropes that are constraints, or from balances."""
-    return bool(apart(rig)) or weighed(rig)
+def _balanced(rig: Rig, model: mujoco.MjModel) -> bool:
+    """Whether tensions follow from spools, of ropes that are not rigid, or from balances."""
+    return spooled(rig, model) or weighed(rig)
+
+
+def spooled(rig: Rig, model: mujoco.MjModel) -> bool:
+    """Whether winches are bodies of their own."""
+    return bool(model.nq > len(joint_names(rig)))
 
 
 def follow_ropes(scene: mujoco.MjSpec, rig: Rig) -> None:
@@ -91,7 +96,7 @@ class RopeForces:
         out: Array,
     ) -> None:
         self._rig, self._out = rig, out
-        self._balanced, self._ends = _balanced(rig), None
+        self._balanced, self._ends = _balanced(rig, model), None
         self._qpos, self._qvel = batch.bind("qpos"), batch.bind("qvel")
         self._qacc, self._ctrl = batch.bind("qacc"), batch.bind("ctrl")
         tendons = [model.tendon(rope.name).id for rope in rig.ropes]
@@ -100,7 +105,7 @@ class RopeForces:
         self._rates = batch.bind("ten_velocity")[:, ropes]
 
         num, owners = batch.nsim, np.array(geometry.rope_of_span)
-        if sensed(rig, geometry):
+        if sensed(rig, model, geometry):
             spans = np.zeros((num, 3, 3 * len(owners)))
             self._ends = _Ends(rig, model, batch, spans.reshape(num, 3, -1, 3))
         drives = {drive.on: column for column, drive in enumerate(rig.drives)}
