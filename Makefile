@@ -8,7 +8,7 @@ INSTALL := $(PIP) install --quiet --constraint constraints.txt
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install demo test lint types bench regress stress mutants figures scenes train policies reproduce clean
+.PHONY: help install demo test lint types bench regress stress mutants docs figures scenes train policies reproduce clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -27,6 +27,11 @@ $(VENV)/.dev: pyproject.toml constraints.txt | $(BIN)/python
 	$(INSTALL) setuptools
 	$(INSTALL) --no-build-isolation --editable '.[dev,train,video,hands,onnx,ray,slurm,tools]'
 	@mkdir -p $(VENV)/src && ln -sfn ../.. $(VENV)/src/flatrig
+	@touch $@ $(VENV)/.core
+
+$(VENV)/.docs: pyproject.toml constraints.txt | $(BIN)/python
+	$(INSTALL) setuptools
+	$(INSTALL) --no-build-isolation --editable '.[docs]'
 	@touch $@ $(VENV)/.core
 
 install: $(VENV)/.core  ## set up .venv with what the package needs, without torch
@@ -58,6 +63,9 @@ stress: $(VENV)/.core  ## stiff and extreme cases, ten thousand random rigs
 
 mutants: $(VENV)/.dev  ## plant faults one at a time, and see whether tests, regress and stress notice
 	$(BIN)/python tests/mutants/run.py
+
+docs: $(VENV)/.docs  ## build the documentation's site, into build/docs/html
+	$(BIN)/python docs/site/build.py
 
 figures: $(VENV)/.dev  ## draw the sources' figures anew, into docs/
 	$(BIN)/flatrig reproduce all --page docs/reference/reproduced.md

@@ -38,6 +38,8 @@ class Reward:
         Tracking and smoothness, shape (n, terms).
     change
         Change of the commands in a control period, to be written before `of`, (n, drives).
+    near
+        Distance D that halves the reward [m].
     """
 
     def __init__(self, num: int, levers: Array, drives: int, length: float) -> None:
@@ -50,7 +52,8 @@ class Reward:
         self.change = self._vectors[:, 1, :drives]
         self._scaled = np.zeros_like(self._vectors)
         self._per_unit = np.ones_like(self._vectors)
-        self._per_unit[:, 0], self._per_unit[:, 1] = 1.0 / (NEAR * length), 1.0 / JERKY
+        self.near = NEAR * length
+        self._per_unit[:, 0], self._per_unit[:, 1] = 1.0 / self.near, 1.0 / JERKY
         self._per_unit[:, 0, :outputs] *= levers
 
     def of(self, outputs: Array, reference: Array) -> Array:

@@ -6,8 +6,8 @@
     vector = envs.Residual(envs.Feedforward(envs.PD(vector)))
     SAC("MlpPolicy", VecEnv(vector)).learn(100_000)
 
-All simulations are stepped together in C threads, which stable-baselines3's own `DummyVecEnv` and
-`SubprocVecEnv` do not; `flatrig bench vectors` compares them.  Seeded alike, the episodes are the
+All simulations are stepped together in C threads, which stable-baselines3's own ``DummyVecEnv`` and
+``SubprocVecEnv`` do not; `flatrig bench vectors` compares them.  Seeded alike, the episodes are the
 same.
 """
 
@@ -49,7 +49,7 @@ class VecEnv(AnyVecEnv):
         super().__init__(env.num_envs, env.single_observation_space, env.single_action_space)
 
     def reset(self) -> Any:
-        """First observations; seeds and options are those of `seed` and `set_options`."""
+        """First observations; seeds and options are those of `seed` and ``set_options``."""
         options: dict[str, Any] = {}
         names = {name for own in self._options for name in own}
         for name in names:  # one for each simulation, as the vector has them

@@ -126,6 +126,12 @@ class Observation:
         self._columns = np.flatnonzero(kept)
         self.names = tuple(self.names[column] for column in self._columns)
 
+    @property
+    def scales(self) -> Array:
+        """What 1 of each entry stands for [m, rad, N, and per second], shape (entries,)."""
+        every = slice(None) if self._columns is None else self._columns
+        return 1.0 / self._factors[0, every]
+
     def read(self, command: Array) -> Array:
         """Observations (n, entries), a new array, after the last command (n, drives)."""
         encoders = self._encoders

@@ -120,6 +120,16 @@ class Parts(ABC, Generic[PlanT, ScenarioT]):
         return self._observation.names
 
     @property
+    def observation_scales(self) -> Array:
+        """What 1 of each entry stands for [m, rad, N, and per second], shape (entries,)."""
+        return self._observation.scales
+
+    @property
+    def reward_distance(self) -> float:
+        """Distance of the outputs from the reference that halves the reward [m]."""
+        return self._reward.near
+
+    @property
     def action_names(self) -> tuple[str, ...]:
         """Names of the entries of an action."""
         return self.acting.action_names

@@ -342,3 +342,22 @@ class Reproduce:
     """Folder for figures and tables; results/reproduce if left out."""
     page: str = ""
     """Markdown file to write instead, with small pictures, tables, and what differs from print."""
+
+
+@command(".describe.documents:show")
+class Docs:
+    """Show the documentation, which is here offline: where it is, or one page of it."""
+
+    page: Positional[str] = ""
+    """Page to print ("ship", "how-to/ship"), "toml" for every field of a file, or the id of an
+    environment for its observations and actions; without one a list."""
+    open: bool = False
+    """Open it in a browser instead."""
+
+
+@command(".describe.examples:show")
+class Example:
+    """Print a TOML file of a crane to begin with."""
+
+    name: Positional[str] = ""
+    """Name of an example, or of a crane of the catalogue; without one a list."""

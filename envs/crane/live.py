@@ -54,6 +54,9 @@ class LiveTask(Task[CranePlan, Scenario]):
     def redirect(self, references: Sequence[object], ids: Ids | None = None) -> None:
         """Give simulations whose episodes run another reference, from the present step on.
 
+        The episode then lasts until the `hold` after the new arrival.  An observation from before
+        does not know of it, `observation` does.
+
         Parameters
         ----------
         references
@@ -64,9 +67,6 @@ class LiveTask(Task[CranePlan, Scenario]):
 
         ids
             Of the simulations, sorted; None for all.
-
-        The episode then lasts until the `hold` after the new arrival.  An observation from before
-        does not know of it, `observation` does.
 
         Raises
         ------

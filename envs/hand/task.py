@@ -70,7 +70,8 @@ class HandTask(Task[HandPlan, HandScenario]):
     max_episode_steps
         Steps after which it is truncated anyway.
     entries
-        Names of the entries of observations to show, or patterns such as "*.tension"; None for all.
+        Names of the entries of observations to show, or patterns such as ``"*.tension"``; None for
+        all.
     noise
         Standard deviation of white noise on observations, in their scaled units.
     cost

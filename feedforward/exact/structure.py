@@ -83,9 +83,9 @@ class Analysis:
     rows: tuple[Row, ...]
     """Equations of motion, constraints and servo constraints."""
     equation_offsets: tuple[int, ...]
-    """c: how often each equation must be differentiated."""
+    """How often each equation must be differentiated, Pryce's c."""
     unknown_offsets: tuple[int, ...]
-    """d: up to which derivative each unknown is then determined."""
+    """Up to which derivative each unknown is then determined, Pryce's d."""
     blocks: tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]
     """(equations, unknowns) of each block, in the order in which they can be solved; the i-th
     equation is paired with the i-th unknown."""

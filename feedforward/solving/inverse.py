@@ -79,6 +79,8 @@ def solve(
         its derivatives contradict one another; or a time is not a finite number; or the reference
         starts moving without `begin`, or otherwise than that, or a time is before it.
 
+    Notes
+    -----
     A pulley without mass hangs where all its ropes pull; where they do at no place, as on the wrong
     side of its winches, it continues the rig's home, with ropes that would have to push.  It
     may hang straight below its winch at the start of a path or at its end (Y 6.1.1), where its

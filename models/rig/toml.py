@@ -49,7 +49,7 @@ from .rig import (
 )
 from .sea import Record, Wave
 
-_PARTS = {
+PARTS: dict[str, type] = {
     "frames": Frame,
     "anchors": Anchor,
     "rails": Rail,
@@ -61,9 +61,12 @@ _PARTS = {
     "combinations": Combination,
     "drives": Drive,
 }
-_SEA = {"waves": Wave, "records": Record}
+"""Kinds of parts, each an array of tables."""
+SEA: dict[str, type] = {"waves": Wave, "records": Record}
+"""The same of a move."""
 FORM = "{coulomb = 2.0, viscous = 80.0}"
-_PLAIN = ("name", "dimensions", "gravity", "outputs", "home", "held", "distribution")
+PLAIN = ("name", "dimensions", "gravity", "outputs", "home", "held", "distribution")
+"""Other entries of a rig."""
 
 
 def load(path: str | Path) -> tuple[Rig, Move | None]:
@@ -114,14 +117,14 @@ def loads(text: str, folder: Path = Path()) -> tuple[Rig, Move | None]:
     if "rig" in table:
         rig = _of_catalogue(table)
         return rig, move or default_move(rig)
-    known = (*_PLAIN, *_PARTS)
+    known = (*PLAIN, *PARTS)
     for key in table:
         if key in Move.__dataclass_fields__:
             raise RigError(f"the entry {key!r} belongs to the move, below a line [move]")
         if key not in known:
             raise RigError(f"unknown entry {key!r}{did_you_mean(key, ('rig', *known, 'move'))}")
     parts: dict[str, Any] = {
-        kind: _parts(kind, build, table.pop(kind, [])) for kind, build in _PARTS.items()
+        kind: _parts(kind, build, table.pop(kind, [])) for kind, build in PARTS.items()
     }
     parts["masses"] = [
         mass for kind in ("trolleys", "loads", "platforms") for mass in parts.pop(kind)
@@ -154,14 +157,14 @@ def dumps(rig: Rig, move: Move | None = None) -> str:
         table["distribution"] = dict(rig.distribution)
     if rig.held:
         table["held"] = list(rig.held)
-    for kind in _PARTS:
+    for kind in PARTS:
         parts = getattr(rig, kind)
         if parts:
             table[kind] = [_entry(part) for part in parts]
     if move is not None:
         changed = [item for item in fields(Move) if getattr(move, item.name) != item.default]
         table["move"] = {item.name: getattr(move, item.name) for item in changed}
-        for kind in _SEA:
+        for kind in SEA:
             if getattr(move, kind):
                 table["move"][kind] = [_entry(part) for part in getattr(move, kind)]
     return tomli_w.dumps(table)
@@ -204,7 +207,7 @@ def _of_catalogue(table: dict[str, Any]) -> Rig:
     """The rig that a table names, with its other entries as parameters."""
     name = word("rig", table.pop("rig"))
     for key in table:
-        if key in (*_PLAIN, *_PARTS) and key not in parameters(name):
+        if key in (*PLAIN, *PARTS) and key not in parameters(name):
             raise RigError(
                 f"{key!r} cannot stand beside rig = {name!r}, which has its own; leave it out, or "
                 "describe all parts instead of naming a rig (flatrig.models.dump writes them)"
@@ -253,7 +256,7 @@ def _move(entry: Any, folder: Path) -> Move | None:
     if isinstance(values.get("samples"), str):
         values["samples"] = str(folder / values["samples"])
     try:
-        for kind, build in _SEA.items():
+        for kind, build in SEA.items():
             values[kind] = tuple(_parts(kind, build, values.get(kind, [])))
     except RigError as error:
         raise PathError(str(error)) from None
