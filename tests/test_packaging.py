@@ -1,6 +1,8 @@
 """The wheel holds every package of the checkout, its data, and nothing else."""
 
 import os
+import posixpath
+import re
 import shutil
 import subprocess
 import sys
@@ -12,9 +14,16 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-# Folders at the top that hold Python files or build output and do not ship.
+# Folders at the top that hold no package, and of which only `DATA` ships.
 NOT_SHIPPED = {"build", "dist", "docs", "results", "runs", "tests"}
+AT_THE_TOP = ("LICENSE", "__init__.py", "py.typed")
 DATA = (
+    "*.md",
+    "docs/*.md",
+    "docs/*/*.md",
+    *(f"docs/how-to/*.{ending}" for ending in ("py", "toml")),
+    "docs/images/*",
+    "docs/reference/reproduced/*",
     "models/*.xml",
     "models/*.toml",
     "training/policies/*",
@@ -50,9 +59,9 @@ def shipped_files() -> set[str]:
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[zipfile.ZipFile]:
     """Build the wheel from a copy, so that the checkout stays as it is, and open it."""
     source, out = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("wheel")
-    for name in ("pyproject.toml", "README.md", "LICENSE", "__init__.py", "py.typed"):
-        shutil.copy(ROOT / name, source)
-    for top in sorted({folder.parts[0] for folder in package_folders() if folder.parts}):
+    for path in (*ROOT.glob("*.md"), *map(ROOT.joinpath, ("pyproject.toml", *AT_THE_TOP))):
+        shutil.copy(path, source)
+    for top in sorted({"docs", *(folder.parts[0] for folder in package_folders() if folder.parts)}):
         ignore = shutil.ignore_patterns("__pycache__")
         shutil.copytree(ROOT / top, source / top, ignore=ignore)
     command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
@@ -68,6 +77,18 @@ def test_wheel_holds_the_packages_their_data_and_nothing_else(wheel: zipfile.Zip
     held = {PurePosixPath(name) for name in wheel.namelist() if ".dist-info/" not in name}
     assert {path.parts[0] for path in held} == {"flatrig"}
     assert {path.relative_to("flatrig").as_posix() for path in held} == shipped_files()
+
+
+def test_links_of_the_pages_travel(wheel: zipfile.ZipFile) -> None:
+    """What pages link to is in the wheel, but for tests and what is no part of the package."""
+    names = set(wheel.namelist())
+    pages = [name for name in names if name.endswith(".md")]
+    assert "flatrig/docs/how-to/ship.md" in pages
+    for page in pages:
+        text = wheel.read(page).decode()
+        for target in re.findall(r"\]\((?!https?:)([^)#\s]+)", text):
+            linked = posixpath.normpath(posixpath.join(posixpath.dirname(page), target))
+            assert linked in names or linked.startswith("flatrig/tests/"), (page, target)
 
 
 def test_every_package_folder_has_an_init_file() -> None:

@@ -9,9 +9,9 @@ from dataclasses import MISSING, Field, fields
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from ...models.friction import Friction
+from ...models.rig.move import Move
 from ...models.rig.rig import Rig, Sheave
 from ...models.rig.toml import PARTS, PLAIN, SEA
-from ...models.rig.move import Move
 from .documented import code, field_texts, table
 
 HEADS = ("entry", "value", "default", "meaning")
