@@ -152,4 +152,5 @@ def _command(command: options.Compare, path: Path) -> str:
     parts = ["flatrig compare all", f"--scenarios {command.scenarios}"]
     parts += [f"--episodes {command.episodes}"] if command.episodes else []
     parts += [f"--sets {' '.join(command.sets)}"] if command.sets else []
-    return " ".join((*parts, f"--page {path}"))
+    shown = path.name if path.is_absolute() else path  # a reader has no such folder
+    return " ".join((*parts, f"--page {shown}"))
