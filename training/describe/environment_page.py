@@ -100,8 +100,9 @@ def environment_page(name: str) -> str:
 
 def made(name: str, **options: Any) -> Any:
     """An environment without wrappers; that of rigs of one's own with an example."""
-    own = {"rig": EXAMPLE} if name == envs.OWN else {}
-    return gym.make(name, **own, **options).unwrapped
+    if name == envs.OWN:
+        options["rig"] = EXAMPLE
+    return gym.make(name, **options).unwrapped
 
 
 def _introduction(name: str) -> str:

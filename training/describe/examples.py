@@ -1,10 +1,19 @@
-"""`flatrig example`: files to begin with, those of the how-to pages and the catalogue's cranes."""
+"""`flatrig example`: files to begin with, of the how-to pages and of what is in the catalogues."""
 
 import sys
 import textwrap
 from pathlib import Path
 
-from ...models import CATALOGUE, default_move, dumps, make
+from ...models import (
+    CATALOGUE,
+    HAND_CATALOGUE,
+    default_hand_move,
+    default_move,
+    dumps,
+    dumps_hand,
+    make,
+    make_hand,
+)
 from ...models.errors import RigError, did_you_mean
 from ...models.reading import read_text
 from ..options import Example
@@ -17,23 +26,34 @@ def examples() -> dict[str, Path]:
 
 
 def example(name: str) -> str:
-    """The text of an example, or a crane of the catalogue as a file.
+    """The text of an example, or a crane or hand of the catalogue as a file.
 
     Raises
     ------
     RigError
-        Neither has that name.
+        None has that name.
     """
     files = examples()
     plain = name.lower().replace("-", "_").removesuffix(".toml")
-    for known, path in files.items():
-        if plain in (known, known.removesuffix("_crane")):
+    for stem, path in files.items():
+        if plain in (stem, stem.removesuffix("_crane")):
             return read_text(path, RigError)
-    short = [full.removesuffix("_crane") for full in (*files, *CATALOGUE)]
-    if plain not in (*CATALOGUE, *short):
-        known = dict.fromkeys((*short, *files, *CATALOGUE))
-        raise RigError(f"there is no example {name!r}{did_you_mean(plain, known)}")
-    return dumps(make(plain), default_move(CATALOGUE.full_name(plain)))
+    for catalogue in (CATALOGUE, HAND_CATALOGUE):
+        for full in catalogue:
+            if plain in (full, full.removesuffix(f"_{catalogue.ending}")):
+                return _described(full)
+    known = dict.fromkeys((*files, *CATALOGUE, *HAND_CATALOGUE))
+    short = {stem.removesuffix("_crane"): None for stem in known}
+    raise RigError(f"there is no example {name!r}{did_you_mean(plain, short | known)}")
+
+
+def _described(name: str) -> str:
+    """A crane or hand of the catalogue as TOML."""
+    if name in HAND_CATALOGUE:
+        hand = make_hand(name)
+        return dumps_hand(hand, default_hand_move(hand))
+    rig = make(name)
+    return dumps(rig, default_move(rig))
 
 
 def show(command: Example) -> None:
@@ -50,7 +70,11 @@ def show(command: Example) -> None:
     for name, path in examples().items():
         print(textwrap.fill(f"{name:<16} {_summary(path)}", 79, subsequent_indent=" " * 17))
     print()
-    print(textwrap.fill(f"and every crane of the catalogue: {', '.join(CATALOGUE)}", 79))
+    print(
+        textwrap.fill(
+            f"and what is in the catalogue: {', '.join((*CATALOGUE, *HAND_CATALOGUE))}", 79
+        )
+    )
 
 
 def _summary(path: Path) -> str:
