@@ -21,6 +21,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..provenance import sources
+from ..watchdog import quiet
 from .crews import BackendError, Item, Lost, Value, Work, opened, work_off
 
 LOOPBACK = "127.0.0.1"
@@ -127,7 +128,6 @@ class _Cluster:
 
 def _set_variables(address: str) -> None:
     """What Ray reads as it is loaded."""
-    os.environ.setdefault("RAY_BACKEND_LOG_LEVEL", "error")
     if not address or _parts(address)[0] in LOOPBACKS:
         os.environ.update(LOOPBACK_ONLY)
     if not address and "RAY_AUTH_MODE" not in os.environ:
@@ -141,7 +141,8 @@ def _connect(address: str) -> None:
 
     _must_answer(address)
     try:
-        ray.init(address=address, **_silent())
+        with quiet():
+            ray.init(address=address, **_silent())
     except Exception as error:
         raise BackendError(
             f"Ray does not let us in at {ADDRESS}={address}: {_first_line(error)}; it may have "

@@ -15,6 +15,7 @@ told by Slurm's own variables, such as SBATCH_PARTITION, which override what sta
 
 import base64
 import os
+import secrets
 import shutil
 import time
 from collections import deque
@@ -94,7 +95,7 @@ class _Queue:
         self._work, self._items, self._options = work, items, options
         make_folder(options.folder)
         self._jobs: list[_Job] = []
-        self._number = 0
+        self._name, self._number = secrets.token_hex(8), 0  # an interrupted run leaves its files
         self._executor = submitit.AutoExecutor(options.folder, cluster=options.cluster)
         self._executor.update_parameters(
             timeout_min=LONGEST, cpus_per_task=options.cores, name=NAME
@@ -111,7 +112,7 @@ class _Queue:
 
     def _submit(self, share: list[int]) -> None:
         self._number += 1
-        file = self._options.folder / f"{os.getpid()}-{self._number}.endings"
+        file = self._options.folder.absolute() / f"{self._name}-{self._number}.endings"
         entries = [(number, self._items[number]) for number in share]
         try:
             job = self._executor.submit(serve, self._work, entries, file)
