@@ -11,11 +11,12 @@ time 0 is the scenario from the start, and all of it counts.  So a curriculum is
         return [(0.0, replace(scenario, wind=level() * scenario.wind))]
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from ...models.arguments import keywords_of, known_keywords
 from ...models.errors import OptionError
 from ...models.values import is_number, shown
 from .disturbances import Disturbances, Scenario
@@ -104,7 +105,11 @@ class Changes:
                 raise OptionError(
                     f"changes: {shown(pair)} is no time [s], after the one before, with a Scenario"
                 )
-            self._disturbances.check(pair[1])
-            last = float(pair[0])
-            checked.append((last, pair[1]))
+            last, scenario = float(pair[0]), pair[1]
+            if isinstance(scenario, Mapping):  # from a spec in JSON
+                kind = self._disturbances.scenario_type
+                known_keywords("a Scenario has no", scenario, keywords_of(kind), OptionError)
+                scenario = kind(**scenario)
+            self._disturbances.check(scenario)
+            checked.append((last, scenario))
         return checked

@@ -5,6 +5,7 @@ from dataclasses import replace
 import gymnasium as gym
 import numpy as np
 import pytest
+from gymnasium.envs.registration import EnvSpec
 
 import flatrig.envs as envs
 from flatrig import models
@@ -92,3 +93,15 @@ def test_wrong_changes_get_one_line(changes, message):
     assert "\n" not in str(caught.value)
     with pytest.raises(models.OptionError, match=message):
         held(changes=lambda generator, scenario: changes).reset(seed=0)
+
+
+def test_changes_stand_in_specs_as_plain_values():
+    env = gym.make(OVERHEAD, changes=[(0.04, WINDY)], nthread=1)
+    again = gym.make(EnvSpec.from_json(env.spec.to_json()))
+    env.reset(seed=0)
+    again.reset(seed=0)
+    for _ in range(6):
+        np.testing.assert_array_equal(env.step([0.1, 0.0])[0], again.step([0.1, 0.0])[0])
+    assert again.unwrapped.task.scenarios[0] == WINDY
+    with pytest.raises(models.OptionError, match="a Scenario has no 'load_mas'; did you mean"):
+        gym.make(OVERHEAD, changes=[(1.0, {"load_mas": 0.6})])
