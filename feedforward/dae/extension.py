@@ -18,7 +18,7 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-from scipy.linalg import qr
+import scipy
 
 from ...models.types import Array
 from .direct import Direct
@@ -35,7 +35,7 @@ class Extension(Direct):
     def replaced(self) -> list[int]:
         """Coordinates whose derivatives become dummies: C has an inverse on them."""
         servo = self.mechanics.coordinates.servo
-        *_, order = qr(servo, pivoting=True, mode="economic")
+        *_, order = scipy.linalg.qr(servo, pivoting=True, mode="economic")
         return sorted(int(j) for j in order[: len(servo)])
 
     @property

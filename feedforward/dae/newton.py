@@ -14,8 +14,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dgetrf, dgetrs
 
 from ...models.types import Array
 
@@ -80,7 +80,7 @@ class Factors:
 
     def correction(self, residual: Array) -> tuple[Array, float]:
         """What to subtract, and its largest entry in the scaled measure."""
-        scaled, _ = dgetrs(self.matrix, self.pivots, residual / self.rows)
+        scaled, _ = scipy.linalg.lapack.dgetrs(self.matrix, self.pivots, residual / self.rows)
         return scaled / self.columns, float(np.abs(scaled).max(initial=0.0))
 
 
@@ -169,7 +169,7 @@ class Newton:
         matrix, rows, columns = scaled(jacobian)
         if not np.isfinite(matrix).all():
             return None
-        matrix, pivots, _ = dgetrf(matrix)
+        matrix, pivots, _ = scipy.linalg.lapack.dgetrf(matrix)
         if not np.abs(np.diagonal(matrix)).min() > SINGULAR:
             return None
         return Factors(matrix, pivots, rows, columns)

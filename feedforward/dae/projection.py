@@ -17,7 +17,7 @@ from functools import cached_property
 from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
-from scipy.linalg import null_space
+import scipy
 
 from ...models.errors import RigError
 from ...models.types import Array
@@ -91,7 +91,7 @@ class Projection(Direct):
         own = coordinates.own
         across = place.slope.T if own is None else (place.slope * own).T
         mass = across @ coordinates.equations.mass @ place.slope
-        massless = null_space(mass, RANK)
+        massless = scipy.linalg.null_space(mass, RANK)
         if kind == "redundant":
             massless = massless[:, np.abs(coordinates.servo @ massless).max(axis=0) > RANK]
         if massless.shape[1]:
@@ -105,7 +105,7 @@ class Projection(Direct):
     @cached_property
     def tangent(self) -> Array:
         """D, a basis of the null space of C, shape (k, k - a)."""
-        return np.asarray(null_space(self.mechanics.coordinates.servo))
+        return np.asarray(scipy.linalg.null_space(self.mechanics.coordinates.servo))
 
     @property
     def index(self) -> int:

@@ -14,7 +14,7 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from scipy.linalg import qr
+import scipy
 
 from ...models.errors import RigError
 from ...models.types import Array
@@ -104,7 +104,7 @@ class DependentProjection(Projection):
         across = self.tangent
         inside = gradient @ across
         m = len(inside)
-        *_, order = qr(inside, pivoting=True, mode="economic")
+        *_, order = scipy.linalg.qr(inside, pivoting=True, mode="economic")
         solved, chosen = order[:m], order[m:]
         kernel = np.zeros((across.shape[1], len(chosen)))
         kernel[chosen, np.arange(len(chosen))] = 1.0

@@ -19,9 +19,7 @@ from graphlib import TopologicalSorter
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from ...models.errors import RigError
 from .advice import what_to_change
@@ -238,7 +236,7 @@ def _transversal(
 
     The advice is what to do where there is none.
     """
-    equations, partner = linear_sum_assignment(signature, maximize=True)
+    equations, partner = scipy.optimize.linear_sum_assignment(signature, maximize=True)
     for i, j in zip(equations, partner, strict=True):
         if signature[i, j] == NEVER:
             raise RigError(
@@ -264,7 +262,9 @@ def _blocks(
 ) -> tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]:
     """Strongly connected blocks of the Jacobian, each after those that it depends on."""
     needs = pattern[:, partner]  # needs[i, k]: equation i contains the unknown of equation k
-    count, label = connected_components(csr_array(needs), connection="strong")
+    count, label = scipy.sparse.csgraph.connected_components(
+        scipy.sparse.csr_array(needs), connection="strong"
+    )
     graph: dict[int, set[int]] = {block: set() for block in range(count)}
     for i, k in zip(*np.nonzero(needs), strict=True):
         if label[i] != label[k]:

@@ -13,9 +13,9 @@ start, it answers as there.
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from ...models.errors import PathError
 from ...models.rig.sea import Record, Wave
@@ -26,6 +26,9 @@ from .csv_points import table_of
 from .deck import Deck
 from .fitting import fit
 from .profiles import RestToRest
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 HIGHEST_ORDER = 10
 """Of a recording, as of a sampled path."""
@@ -73,7 +76,7 @@ class Recorded:
         return self.times[-1] / (len(self.times) - 1)
 
     @cached_property
-    def splines(self) -> tuple[BSpline, ...]:
+    def splines(self) -> "tuple[BSpline, ...]":
         """For each column, which has noise of its own."""
         times, points = np.array(self.times) / self._scale, np.array(self.points)
         return tuple(

@@ -7,12 +7,15 @@ do to theirs, and its residual how much of that there is.
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.interpolate import BSpline
+import scipy
 
 from ...models.types import Array
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 ROUNDING = np.finfo(float).eps
 """Relative scatter of any points."""
@@ -37,7 +40,7 @@ class Shift(NamedTuple):
 class Candidate:
     """The spline of some number of pieces through points and white noise, side by side."""
 
-    spline: BSpline
+    spline: "BSpline"
     """Values of shape (size + DRAWS size,)."""
     times: Array
     """Shape (N,)."""
@@ -110,7 +113,9 @@ class Candidate:
         noise = float(np.sum(scatter**2)) * count / len(away)
         return Shift(float(np.mean(np.sum(away**2, axis=1))), noise, noise * math.sqrt(8 / count))
 
-    def part(self, draw: int = 0, scale: Array | float = 1.0) -> BSpline:
+    def part(self, draw: int = 0, scale: Array | float = 1.0) -> "BSpline":
         """The spline through the points, or through a draw of noise from 1 on."""
         columns = slice(draw * self.size, (draw + 1) * self.size)
-        return BSpline(self.spline.t, self.spline.c[:, columns] * scale, self.spline.k)
+        return scipy.interpolate.BSpline(
+            self.spline.t, self.spline.c[:, columns] * scale, self.spline.k
+        )

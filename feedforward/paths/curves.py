@@ -15,10 +15,10 @@ Limits: between waypoints far apart a curve may swing out; `clearance` says what
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
+import scipy
 
 from ...models.errors import PathError
 from ...models.types import Array
@@ -26,6 +26,9 @@ from ..checks import check_duration, check_order, check_point
 from ..series.products import compose, factorials
 from .profiles import ALWAYS_SMOOTH, Profile, RestToRest, progress
 from .reference import ReferencePath
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 
 class Curve(Protocol):
@@ -118,7 +121,7 @@ class Waypoints:
         return len(self.points[0])
 
     @cached_property
-    def _spline(self) -> BSpline:
+    def _spline(self) -> "BSpline":
         points = np.array(self.points)
         chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
         s = np.concatenate(([0.0], np.cumsum(chords))) / chords.sum()
@@ -127,7 +130,7 @@ class Waypoints:
         # Inner knots are averages of `degree` neighbouring parameters, which any degree allows.
         inner = [s[j : j + degree].mean() for j in range(1, len(points) - degree)]
         knots = np.concatenate((np.zeros(degree + 1), inner, np.ones(degree + 1)))
-        return make_interp_spline(s, points, k=degree, t=knots)
+        return scipy.interpolate.make_interp_spline(s, points, k=degree, t=knots)
 
     def derivatives(self, s: Array, order: int) -> Array:
         """See `Curve`.  Shape (order+1, N, size)."""

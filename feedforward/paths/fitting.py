@@ -10,15 +10,17 @@ and scaled to scatter as they do.  Bias: what finer splines say otherwise, beyon
 import math
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from ...models.errors import PathError
 from ...models.types import Array
 from .candidates import DRAWS, ROUNDING, Candidate
 from .splines import interpolate, least_squares
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 RECORDING = 100
 """So many points and more are a recording of something smooth, not points to pass through."""
@@ -46,13 +48,13 @@ HOPELESS = 1e2
 class Fit:
     """A spline along points, and how far from it the true path may be."""
 
-    spline: BSpline
+    spline: "BSpline"
     """Values of shape (size,), as all here."""
-    rival: BSpline
+    rival: "BSpline"
     """A spline of another number of pieces, from and to the same rest."""
     weight: float
     """Which part of the way to the rival the bias may be."""
-    noise: tuple[BSpline, ...]
+    noise: "tuple[BSpline, ...]"
     """What the noise of the points may have added."""
 
 

@@ -24,9 +24,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike, fspath
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from ...models.errors import PathError
 from ...models.types import Array
@@ -35,6 +35,9 @@ from ..checks import check_duration, check_order
 from .csv_points import as_table, check_table, table_of
 from .fitting import Fit, fit
 from .reference import ReferencePath
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 HIGHEST_ORDER = 10
 """Of a sampled path: the conditioning of B-splines of degree 21 still leaves nine digits."""
@@ -148,7 +151,7 @@ class SampledPath(ReferencePath):
         )
 
     @property
-    def _spline(self) -> BSpline:
+    def _spline(self) -> "BSpline":
         return self._fit.spline
 
     def _spline_times(self, times: Array) -> Array:
@@ -171,7 +174,7 @@ class SampledPath(ReferencePath):
         """Where they are, shape (columns, 1)."""
         return np.array(self.points[0])[self._still][:, None]
 
-    def _along(self, spline: BSpline, times: Array, order: int) -> Array:
+    def _along(self, spline: "BSpline", times: Array, order: int) -> Array:
         """Derivatives of a spline over the path's times, at rest outside."""
         result = np.zeros((order + 1, len(times), self.size))
         outside = (times < 0) | (times > self.duration)

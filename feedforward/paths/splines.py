@@ -8,20 +8,23 @@ coefficients are unknown.
 """
 
 from contextlib import suppress
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
-from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
+import scipy
 
 from ...models.errors import PathError
 from ...models.types import Array
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 REFINEMENTS = 2
 """Corrections of the normal equations' solution: they square the B-splines' condition number,
 up to 1e4 for degree 9, and each correction takes that back."""
 
 
-def interpolate(times: Array, points: Array, order: int, *, rest: bool = True) -> BSpline:
+def interpolate(times: Array, points: Array, order: int, *, rest: bool = True) -> "BSpline":
     """The spline of degree 2 `order` + 1 through all points, a knot at each.
 
     From rest to rest, or else with no knot next to its ends.
@@ -34,8 +37,9 @@ def interpolate(times: Array, points: Array, order: int, *, rest: bool = True) -
     end = [(k, np.zeros(points.shape[1])) for k in range(1, order + 1)]
     ends = (end, end) if end and rest else None
     spline = None
-    with suppress(LinAlgError, ValueError):  # a singular or overflowing collocation matrix
-        spline = make_interp_spline(times, points, k=2 * order + 1, bc_type=ends)
+    # A collocation matrix may be singular or overflow.
+    with suppress(np.linalg.LinAlgError, ValueError):
+        spline = scipy.interpolate.make_interp_spline(times, points, k=2 * order + 1, bc_type=ends)
     if spline is None or not np.isfinite(spline.c).all():
         raise PathError(
             f"the points are too unevenly spaced in time for a path of order {order}: the steps "
@@ -46,7 +50,7 @@ def interpolate(times: Array, points: Array, order: int, *, rest: bool = True) -
 
 def least_squares(
     times: Array, points: Array, order: int, pieces: int, *, rest: bool = True
-) -> BSpline | None:
+) -> "BSpline | None":
     """The spline of least squares with knots at every so many points; None where it is singular."""
     degree = 2 * order + 1
     chosen = np.round(np.linspace(0, len(times) - 1, pieces + 1)).astype(int)
@@ -59,17 +63,19 @@ def least_squares(
     if count > len(times):
         return None
     if count:
-        design = BSpline.design_matrix(times, knots, degree)
+        design = scipy.interpolate.BSpline.design_matrix(times, knots, degree)
         inner = design[:, unknown]
         normal = inner.T @ inner
         bands = np.zeros((min(degree, count - 1) + 1, count))
         for i in range(len(bands)):
             bands[i, : count - i] = normal.diagonal(-i)
         try:
-            factor = cholesky_banded(bands, lower=True)
-        except LinAlgError:
+            factor = scipy.linalg.cholesky_banded(bands, lower=True)
+        except np.linalg.LinAlgError:
             return None
         for _ in range(1 + REFINEMENTS):
             residual = points - design @ coefficients
-            coefficients[unknown] += cho_solve_banded((factor, True), inner.T @ residual)
-    return BSpline(knots, coefficients, degree)
+            coefficients[unknown] += scipy.linalg.cho_solve_banded(
+                (factor, True), inner.T @ residual
+            )
+    return scipy.interpolate.BSpline(knots, coefficients, degree)

@@ -15,10 +15,10 @@ turn.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ...models.errors import PathError
 from ...models.types import Array
@@ -27,6 +27,9 @@ from ..series.rotation import about_axis, bryant
 from .profiles import progress
 from .reference import ReferencePath
 from .straight import StraightPath
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 SMALLEST_COSINE = 1e-6
 """Of beta, below which a path is refused."""
@@ -82,8 +85,10 @@ class FixedAxis(ReferencePath):
         first, last = (self._rotation(end) for end in (self.path.begin, self.path.end))
         return np.asarray((first.inv() * last).as_rotvec())
 
-    def _rotation(self, end: tuple[float, ...]) -> Rotation:
-        return Rotation.from_euler("XYZ", [end[column] for column in self.columns])
+    def _rotation(self, end: tuple[float, ...]) -> "Rotation":
+        return scipy.spatial.transform.Rotation.from_euler(
+            "XYZ", [end[column] for column in self.columns]
+        )
 
     def _derivatives(self, times: Array, order: int) -> Array:
         result = self.path.derivatives(times, order)
@@ -185,7 +190,7 @@ class FixedAxis(ReferencePath):
         def left(time: float) -> float:
             return float(self._share(np.array([time]), 0)[0, 0]) - share
 
-        return float(brentq(left, 0.0, self.duration))
+        return float(scipy.optimize.brentq(left, 0.0, self.duration))
 
 
 def fixed_axis(path: StraightPath, columns: Sequence[int]) -> FixedAxis:

@@ -6,7 +6,7 @@ energy is less than at all of them the load comes to rest at the set point (K th
 """
 
 import numpy as np
-from scipy.optimize import root
+import scipy
 
 from ...models.types import Array
 from .energy import Regulator
@@ -44,7 +44,9 @@ def rivals(regulator: Regulator, starts: int = 48, seed: int = 0) -> Array:
     wide = np.where([name in angles for name in names], 0.0, size)
     levels: list[float] = []
     for _ in range(starts):
-        solution = root(slope, rest + wide * draw.uniform(-2.0, 2.0, len(rest)), tol=1e-10)
+        solution = scipy.optimize.root(
+            slope, rest + wide * draw.uniform(-2.0, 2.0, len(rest)), tol=1e-10
+        )
         level = float(potential(np.atleast_2d(solution.x))[0])
         away = abs(level) > BALANCED * rig.weight * size  # not the set point by other angles
         known = np.isclose(level, levels, rtol=1e-3, atol=0.0).any()

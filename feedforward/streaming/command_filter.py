@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import expm
+import scipy
 
 from ...models.types import Array
 from ..series.products import factorials
@@ -42,7 +42,7 @@ class CommandFilter:
 
     def step(self, time: float) -> Array:
         """What advances a state by some time [s] while the command is held, (n+2, n+2)."""
-        return np.asarray(expm(self._slope * time))
+        return np.asarray(scipy.linalg.expm(self._slope * time))
 
     @cached_property
     def released(self) -> Array:
