@@ -99,7 +99,11 @@ class Task(Saving[PlanT, ScenarioT]):
         """
         names = self.action_names
         wanted = actions_of(actions, (self.num, len(names)), names, lambda: none_of(ids, self.num))
-        return self._hold(self.acting.of_drives(wanted), ids)
+        return self.hold(wanted, ids)
+
+    def hold(self, actions: Array, ids: Ids | None = None) -> Outcome:
+        """The same, of actions that are known to be finite and of the right shape."""
+        return self._hold(self.acting.of_drives(actions), ids)
 
     def _hold(self, wanted: Array, ids: Ids | None) -> Outcome:
         """The same with inputs of all drives, (n, drives)."""

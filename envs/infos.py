@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.types import Array, Mask
+from ..models.types import Mask
 from .common import NOT_FINITE, TIME, Ids
 
 
@@ -60,9 +60,13 @@ class Told:
         self.reason[sim] = self.reasons.index(reason)
 
 
-def _numbers(scenario: Any) -> Array:
+def _numbers(scenario: Any) -> list[float]:
     """All numbers of a scenario, one after the other."""
-    return np.hstack([getattr(scenario, item.name) for item in fields(scenario)]).astype(float)
+    numbers: list[float] = []
+    for item in fields(scenario):
+        value = getattr(scenario, item.name)
+        numbers += value if np.ndim(value) else (value,)
+    return numbers
 
 
 def with_masks(info: dict[str, Any], which: Mask) -> dict[str, Any]:
@@ -73,9 +77,11 @@ def with_masks(info: dict[str, Any], which: Mask) -> dict[str, Any]:
     return masked
 
 
-def of_one(info: dict[str, NDArray[Any]], sim: int) -> dict[str, Any]:
-    """What an info of n simulations, of live arrays, has of one; the caller's own."""
-    return {
-        name: values[sim].copy() if values.ndim > 1 else values[sim]
-        for name, values in info.items()
-    }
+def of_one(info: dict[str, NDArray[Any]], sim: int) -> dict[str, NDArray[Any]]:
+    """What an info of n simulations, of live arrays, has of one: views."""
+    return {name: values[sim, ...] for name, values in info.items()}
+
+
+def copied(info: dict[str, NDArray[Any]]) -> dict[str, Any]:
+    """What views of one simulation say now, the caller's own."""
+    return {name: values.copy() if values.ndim else values[()] for name, values in info.items()}

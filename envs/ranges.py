@@ -26,6 +26,7 @@ It is drawn after all others, which stay what they are without it.
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from functools import cached_property, lru_cache
 from typing import Any, ClassVar, Generic, Self, TypeVar
 
 import numpy as np
@@ -53,14 +54,20 @@ class PlantScenario:
     """
 
     def __post_init__(self) -> None:
-        for item in fields(self):
-            rule = item.metadata.get("rule")
-            if rule is not None:
-                plain = bounded(f"scenario: {item.name}", getattr(self, item.name), **rule)
-                object.__setattr__(self, item.name, int(plain) if rule.get("whole") else plain)
+        kind: Any = type(self)
+        for name, rule in _rules(kind).items():
+            plain = bounded(f"scenario: {name}", getattr(self, name), **rule)
+            object.__setattr__(self, name, int(plain) if rule.get("whole") else plain)
 
     def disturb(self, plant: Any, sim: int) -> None:
         """Change simulation `sim` of a plant at the start of an episode; a hook of subclasses."""
+
+
+@lru_cache
+def _rules(kind: type[Any]) -> dict[str, dict[str, Any]]:
+    """What each quantity of a kind of scenarios must be, by name."""
+    rules = {item.name: item.metadata.get("rule") for item in fields(kind)}
+    return {name: rule for name, rule in rules.items() if rule is not None}
 
 
 ScenarioT = TypeVar("ScenarioT", bound=AnyScenario)
@@ -151,7 +158,7 @@ class Ranges(ABC, Generic[ScenarioT]):
     def scenario(self, shares: ArrayLike) -> ScenarioT:
         """The scenario at a place of the unit cube."""
 
-    @property
+    @cached_property
     def added(self) -> tuple[str, ...]:
         """Names of the ranges that a subclass adds to those of its kind."""
         kind = [base for base in type(self).__mro__ if issubclass(base, Ranges)][-2]

@@ -7,9 +7,12 @@
 An episode that ends early gets nothing in its last step, and nothing thereafter.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..models.types import Array
+from .formulas import Formulas, in_order
 
 NEAR = 0.0125
 """Distance D that halves the reward, over the typical length of the rig (5 cm for 4 m)."""
@@ -45,26 +48,34 @@ class Reward:
     def __init__(self, num: int, levers: Array, drives: int, length: float) -> None:
         outputs = len(levers)
         self.terms = np.ones((num, 2))
-        self._tracking, self._smoothness = self.terms.T
-        self._one = np.ones_like(self.terms)
         self._vectors = np.zeros((num, 2, max(outputs, drives)))  # padded with zeros
         self._distance = self._vectors[:, 0, :outputs]
         self.change = self._vectors[:, 1, :drives]
-        self._scaled = np.zeros_like(self._vectors)
-        self._per_unit = np.ones_like(self._vectors)
+        self._rewards = np.ones((num, 1))
+        units = np.ones(self._vectors.shape[1:])
         self.near = NEAR * length
-        self._per_unit[:, 0], self._per_unit[:, 1] = 1.0 / self.near, 1.0 / JERKY
-        self._per_unit[:, 0, :outputs] *= levers
+        units[0], units[1] = 1.0 / self.near, 1.0 / JERKY
+        units[0, :outputs] *= levers
+        self._judge = self._judging(units)
+
+    def _judging(self, per_unit: Array) -> Callable[[], None]:
+        """Formulas for the terms and their product, with both vectors per unit of theirs."""
+        judge, width = Formulas(len(self.terms)), per_unit.shape[1]
+        scaled = judge.see(self._vectors) * judge.constant(per_unit.ravel())
+        squares, one = scaled * scaled, judge.constant(1.0)
+        sums = [
+            in_order([squares[[first + entry]] for entry in range(width)]) for first in (0, width)
+        ]
+        tracking, smoothness = (one / (one + total) for total in sums)
+        judge.keep(self.terms, judge.join((tracking, smoothness)))
+        judge.keep(self._rewards, tracking * smoothness)
+        return judge.made()
 
     def of(self, outputs: Array, reference: Array) -> Array:
         """Rewards (n,), a new array, for outputs and the `change` of the command written before.
 
         The terms stay readable.
         """
-        terms, scaled = self.terms, self._scaled
         np.subtract(outputs, reference, self._distance)
-        np.multiply(self._vectors, self._per_unit, scaled)
-        np.vecdot(scaled, scaled, terms)
-        np.add(terms, self._one, terms)
-        np.reciprocal(terms, terms)
-        return np.asarray(self._tracking * self._smoothness)
+        self._judge()
+        return self._rewards[:, 0].copy()

@@ -1,12 +1,13 @@
 """Between controller and plant: encoders that count, inputs that come late, plans read by row."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..models.types import Array
 from .common import LONGEST_DELAY, AnyScenario, Ids, Steps
+from .formulas import Formulas
 from .plans import Layout, Plan
 from .simulations import Simulations
 
@@ -31,15 +32,14 @@ class Encoders:
     def __init__(self, plant: Simulations[Any, Any], period: float) -> None:
         self._plant, self._period = plant, period
         self._drives = drives = plant.drive_positions.shape[1]
-        self._share = np.full((plant.num, drives), 1.0 - np.exp(-period / MEMORY))
+        self._share = 1.0 - np.exp(-period / MEMORY)
         self._resolution = np.zeros((plant.num, 1))
         self._counting = False
         self._counted = np.zeros((plant.num, 2 * drives))
         self.measured = plant.encoders
         self.errors = np.zeros((plant.num, 2 * drives))
         self.average = np.zeros((plant.num, drives))
-        self._step = np.zeros((plant.num, drives))
-        self._position_errors = self.errors[:, :drives]
+        self._average = self._averaging()
 
     @property
     def positions(self) -> Array:
@@ -79,9 +79,14 @@ class Encoders:
         if self._counting:
             self._count()
         np.subtract(planned, self.measured, self.errors)
-        np.subtract(self._position_errors, self.average, self._step)
-        np.multiply(self._step, self._share, self._step)
-        np.add(self.average, self._step, self.average)
+        self._average()
+
+    def _averaging(self) -> Callable[[], None]:
+        """Formulas of the running average."""
+        step = Formulas(len(self.errors))
+        errors, average = step.see(self.errors, slice(self._drives)), step.see(self.average)
+        step.keep(self.average, average + (errors - average) * step.constant(self._share))
+        return step.made()
 
     def _count(self) -> None:
         now = self._rounded()
@@ -125,11 +130,8 @@ class Commands:
     def __init__(self, change: Array, band: Band) -> None:
         num, drives = change.shape
         self.last, self.change = np.zeros((num, drives)), change
-        self._clipped = np.zeros((num, drives))
-        # NumPy is fastest where all operands have the same shape: constants are repeated.
-        self._highest = np.tile(band.highest, (num, 1))
-        self._lowest = np.tile(band.lowest, (num, 1))
-        self._step = None if np.isinf(band.step).all() else np.tile(band.step, (num, 1))
+        self._asked = np.zeros((num, drives))
+        self._take = self._taking(band)
         self._periods = np.zeros(num, dtype=np.int64)
         self._sent = np.zeros((LONGEST_DELAY + 1, num, drives))
         self.sent = self._sent.swapaxes(0, 1)
@@ -154,19 +156,33 @@ class Commands:
 
     def send(self, actions: Array, step: Steps) -> Array:
         """Take the finite actions of a step, return the commands that act in it, (n, drives)."""
-        clipped = self._clipped
-        np.maximum(actions, self._lowest, out=clipped)
-        np.minimum(clipped, self._highest, out=clipped)
-        if self._step is not None:
-            np.maximum(clipped, self.last - self._step, out=clipped)
-            np.minimum(clipped, self.last + self._step, out=clipped)
-        np.subtract(clipped, self.last, self.change)
-        self.last[...] = clipped
+        self._asked[...] = actions
+        self._take()
         if not self._late:
-            return clipped
+            return self.last
+        now, then = self._turns(step)
+        self._sent[now] = self.last
+        return np.asarray(self._sent[then])
+
+    def _turns(self, step: Steps) -> tuple[Any, Any]:
+        """Where in `_sent` the commands of each simulation's step are, and those that act in it."""
         size = len(self._sent)
-        self._sent[step % size, self._every] = clipped
-        return np.asarray(self._sent[(step - self._periods) % size, self._every])
+        if len(step) == 1:  # whole numbers are faster than NumPy
+            turn = step.item()
+            return turn % size, (turn - self._periods.item()) % size
+        return (step % size, self._every), ((step - self._periods) % size, self._every)
+
+    def _taking(self, band: Band) -> Callable[[], None]:
+        """Formulas that clip what was asked to the band, and say by how much it changed."""
+        take = Formulas(len(self.last))
+        last, step = take.see(self.last), take.constant(band.step)
+        clipped = take.see(self._asked).largest(take.constant(band.lowest))
+        clipped = clipped.least(take.constant(band.highest))
+        if not np.isinf(band.step).all():
+            clipped = clipped.largest(last - step).least(last + step)
+        take.keep(self.change, clipped - last)
+        take.keep(self.last, clipped)
+        return take.made()
 
 
 class Rows:

@@ -159,7 +159,7 @@ class TaskEnv(TaskFace[TaskT], gym.Env[Any, Any]):
 
     def step(self, action: ArrayLike) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Hold inputs, `action` times their limits, over one control period."""
-        outcome = self.task.step(actions_of(action, *self._expected)[None])
+        outcome = self.task.hold(actions_of(action, *self._expected)[None])
         if self.render_mode == "human":
             self.render()
         return (

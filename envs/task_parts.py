@@ -5,6 +5,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any, ClassVar, Generic, cast
 
 import mujoco
@@ -17,7 +18,7 @@ from ..models.values import bounded, shown
 from .acting import Acting
 from .common import LIMIT, Ids, Steps
 from .gains import Gains, Track
-from .infos import Told, of_one
+from .infos import Told, copied, of_one
 from .observation_noise import ObservationNoise
 from .option_checks import sensors_of, substeps_of
 from .plans import Layout, Planner, PlanT
@@ -106,6 +107,7 @@ class Parts(ABC, Generic[PlanT, ScenarioT]):
         self._reward = Reward(num, levers, layout.drives, length)
         self._undisturbed: ScenarioT = self.disturbances.scenario_type()
         self.scenarios = [self._undisturbed] * num
+        self._views: dict[int, dict[str, NDArray[Any]]] = {}
         self._told = Told(num, self._undisturbed, self.plant.ends)
         self.over = np.zeros(num, bool)
         self.plans = cast("list[PlanT]", [self.planner.fixed] * num)
@@ -185,27 +187,40 @@ class Parts(ABC, Generic[PlanT, ScenarioT]):
 
     def info(self) -> dict[str, Any]:
         """The truth, for evaluation: arrays (n, ...) that are the caller's own."""
-        return {name: values.copy() for name, values in self._tells().items()}
+        return {name: values.copy() for name, values in (self._lasting | self._new_truth()).items()}
 
     def info_of(self, sim: int) -> dict[str, Any]:
         """The same of one simulation."""
-        return of_one(self._tells(), sim)
+        if sim not in self._views:
+            self._views[sim] = of_one(self._lasting, sim)
+        told = copied(self._views[sim])
+        new = self._new_truth()
+        return told | copied(of_one(new, sim)) if new else told
 
-    def _tells(self) -> dict[str, NDArray[Any]]:
-        """What `info` tells, live or new."""
+    def _new_truth(self) -> dict[str, NDArray[Any]]:
+        """What of it is in new arrays."""
+        truth = self._truth()
+        return truth | {"cost": self._cost()} if self._costs else truth
+
+    @cached_property
+    def _lasting(self) -> dict[str, NDArray[Any]]:
+        """What `info` tells in arrays that stay and are live."""
         tracking, smoothness = self._reward.terms.T
         return {
-            **self._truth(),
+            **self._live_truth(),
             "reward_tracking": tracking,
             "reward_smoothness": smoothness,
             "scenario": self._told.scenarios,
             "reason": self._told.reason,
-            **({"cost": self._cost()} if self._costs else {}),
         }
 
-    @abstractmethod
+    def _live_truth(self) -> dict[str, NDArray[Any]]:
+        """What `info` tells of the plants in arrays (n, ...) that stay and are live."""
+        return {}
+
     def _truth(self) -> dict[str, NDArray[Any]]:
-        """What `info` tells of the plants, (n, ...) each, live or new."""
+        """What else it tells of them, (n, ...) each, live or new."""
+        return {}
 
     @abstractmethod
     def _cost(self) -> Array:

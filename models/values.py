@@ -29,6 +29,8 @@ ENDLESS = {"endless": True}
 
 def is_number(value: object) -> TypeGuard[float]:
     """Whether it is a real number: int, float, Fraction or NumPy scalar, but no truth value."""
+    if type(value) is float:  # mostly, and faster
+        return True
     return isinstance(value, Real) and not isinstance(value, bool)
 
 

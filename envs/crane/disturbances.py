@@ -10,6 +10,7 @@ each, so that a difference between them is not a difference between their plants
 
 import math
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -187,7 +188,7 @@ class Disturbances(Ranges[Scenario]):
                 'without; make it with a range in disturbances, such as {"frame_friction": (0, 50)}'
             )
 
-    @property
+    @cached_property
     def more(self) -> bool:
         """Whether some of `MORE` is to be drawn."""
         return any(low < high for low, high in (getattr(self, name) for name in MORE))

@@ -21,8 +21,10 @@ from ...models.mjcf.ropes import spool, stretch_of
 from ...models.rig.chain import joint_names
 from ...models.rig.rig import Rig
 from ...models.types import Array
+from ..formulas import Formulas, Value, row_sum
 from .disturbances import Scenario
 from .gear_losses import gears_of
+from .small_systems import solved
 
 FAINT = 1e-9
 """Regularisation of the split of friction among drives that rub on the same joint [N]: drives that
@@ -31,6 +33,12 @@ cannot bear anything get nothing, and the matrix of the split stays regular."""
 SOFTEST, HARDEST = 1e-4, 0.9999
 """Between which MuJoCo keeps impedances (mjMINIMP, mjMAXIMP)."""
 
+
+PLACES = 8
+"""Where it is tried which joints move a tendon."""
+
+Slopes = dict[int, Value]
+"""How far a unit of each joint moves what rubs, by the joint; none where it does not."""
 
 UNBOUNDED = 1e12
 """What an equality that holds a rope can bear [N]."""
@@ -62,6 +70,25 @@ def gives_way(rig: Rig, model: mujoco.MjModel) -> bool:
     return bool(spooled and not any(stretch_of(rope) in held for rope in rig.ropes))
 
 
+def slopes(model: mujoco.MjModel) -> list[dict[int, int]]:
+    """For each tendon the joints that change its length, and where `ten_J` says how much.
+
+    MuJoCo keeps room for all joints between the bodies that it touches; those that have no part at
+    several places have none.
+    """
+    data, draw = mujoco.MjData(model), np.random.default_rng(0)
+    parts = np.zeros(len(data.ten_J), bool)
+    for _ in range(PLACES):
+        data.qpos[:] = model.key_qpos[0] + draw.uniform(-0.1, 0.1, model.nq)
+        mujoco.mj_fwdPosition(model, data)
+        parts |= data.ten_J != 0.0
+    rows = zip(model.ten_J_rowadr.tolist(), model.ten_J_rownnz.tolist(), strict=True)
+    joints = model.ten_J_colind.tolist()
+    return [
+        {joints[at]: at for at in range(first, first + count) if parts[at]} for first, count in rows
+    ]
+
+
 def _freedom(model: mujoco.MjModel, joint: str) -> int:
     return int(model.joint(joint).dofadr[0])
 
@@ -83,35 +110,16 @@ class DryFriction:
         self._on_joint = batch.expand("dof_frictionloss")
         self._rates, self._speeds = batch.bind("ten_velocity"), batch.bind("qvel")
         self._gears, self._ctrl = gears_of(rig, model), batch.bind("ctrl")
+        self.falling = bool(self._gears)
+        """Whether some of it changes with speed, so that `follow` must be called."""
         self._described = (model.tendon_frictionloss.copy(), model.dof_frictionloss.copy())
         self._coulomb = (np.array(self._on_tendon), np.array(self._on_joint))
         self._surplus, self._falling = np.zeros((num, 1)), np.ones((num, 1))
-        self._force = batch.bind("qfrc_constraint")
-        self._sparse = batch.bind("ten_J")
-        rubbing, held = self._tendons + self._held, len(self._held)
-        freely = len(self._tendons) + len(self._slides)
-        rows = [*range(len(self._tendons)), *range(freely, freely + held)]
-        self._places = [
-            (row, slice(start, start + count), model.ten_J_colind[start : start + count])
-            for row, start, count in zip(
-                rows,
-                model.ten_J_rowadr[rubbing].tolist(),
-                model.ten_J_rownnz[rubbing].tolist(),
-                strict=True,
-            )
-        ]
-        self._unbounded = np.full((num, held), UNBOUNDED)
-        self._directions = np.zeros((num, freely + held, freedoms))
+        self._force, self._sparse = batch.bind("qfrc_constraint"), batch.bind("ten_J")
+        self._slopes = slopes(model)
         self._crowded = None
-        if self._directions.shape[1] > freedoms:
+        if len(self._tendons) + len(self._slides) + len(self._held) > freedoms:
             self._crowded = SoftFriction(model, batch, self._tendons, self._slides)
-        for row, slide in enumerate(self._slides):
-            self._directions[:, len(self._tendons) + row, slide] = 1.0
-
-    @property
-    def falling(self) -> bool:
-        """Whether some of it changes with speed, so that `follow` must be called."""
-        return bool(self._gears) or bool(self._surplus.any())
 
     @property
     def memory(self) -> tuple[Array, ...]:
@@ -130,6 +138,7 @@ class DryFriction:
         self._on_tendon[sim], self._on_joint[sim] = on_tendon[sim], on_joint[sim]
         self._surplus[sim] = scenario.static_friction - 1.0
         self._falling[sim] = scenario.stribeck_velocity
+        self.falling = bool(self._gears) or bool(self._surplus.any())
 
     def follow(self) -> None:
         """Bounds at the present speeds: static friction near rest, Coulomb's beyond, and gears."""
@@ -148,29 +157,50 @@ class DryFriction:
                 lost = gear.lost(inputs, self._speeds[:, gear.freedom])
                 self._on_joint[:, gear.freedom] += lost
 
-    def read(self) -> Array:
+    def along(self, step: Formulas) -> Value:
         """Force of friction along each rope, (n, ropes) [N]; negative while it is paid out.
 
         Where a rope and a trolley rub on the same joint they share its friction, see the module.
         """
-        directions = self._directions
-        for row, part, columns in self._places:
-            directions[:, row, columns] = self._sparse[:, part]
-        bearable = np.concatenate(
-            (
-                self._on_tendon[:, self._tendons],
-                self._on_joint[:, self._slides],
-                self._unbounded,
-            ),
-            axis=-1,
-        )
+        moving = [
+            {joint: step.see(self._sparse, [at]) for joint, at in self._slopes[tendon].items()}
+            for tendon in (*self._tendons, *self._held)
+        ]
+        slides = [{slide: step.constant(1.0)} for slide in self._slides]
+        rubbing = moving[: len(self._tendons)] + slides + moving[len(self._tendons) :]
+        bearable = step.join((
+            step.see(self._on_tendon, self._tendons),
+            step.see(self._on_joint, self._slides),
+            step.constant([UNBOUNDED] * len(self._held)),
+        ))  # fmt: skip
         if self._crowded is not None:
-            return self._crowded.forces(directions, bearable)[:, self._of_ropes]
-        pairs = (directions[:, :, None, :] * directions[:, None, :, :]).sum(-1)
-        diagonal = np.arange(pairs.shape[-1])
-        pairs[:, diagonal, diagonal] += FAINT / (bearable + FAINT)
-        along = (directions * self._force[:, None, :]).sum(-1)
-        return np.asarray(np.linalg.solve(pairs, along[..., None])[:, self._of_ropes, 0])
+            free = len(rubbing) - len(self._held)
+            return self._crowded.along(step, rubbing[:free], bearable[:free])[self._of_ropes]
+        return self._shared(step, rubbing, bearable)
+
+    def _shared(self, step: Formulas, rubbing: list[Slopes], bearable: Value) -> Value:
+        """Each rope's share of the friction on its joints."""
+        size, faint = len(self._speeds[0]), step.constant(FAINT)
+        force = step.see(self._force)
+        none = step.constant(0.0)
+        along = [row_sum({j: one[j] * force[[j]] for j in one}, size) for one in rubbing]
+        pairs = [[none] * len(rubbing) for _ in rubbing]
+        for i, one in enumerate(rubbing):
+            for k, other in enumerate(rubbing[: i + 1]):
+                if common := {j: one[j] * other[j] for j in one if j in other}:
+                    pairs[i][k] = pairs[k][i] = row_sum(common, size)
+            pairs[i][i] = pairs[i][i] + faint / (bearable[[i]] + faint)
+        if all(pairs[i][k] is none for i in range(len(rubbing)) for k in range(i)):
+            shares = [one / row[i] for i, (one, row) in enumerate(zip(along, pairs, strict=True))]
+        else:
+            shares = solved(step, pairs, along)
+        return step.join(shares[self._of_ropes])
+
+
+def along_each(values: Array, out: Array) -> None:
+    """Write products (n, m) of matrices with vectors behind them (n, m k + k)."""
+    size = values.shape[1] // (out.shape[1] + 1)
+    np.matvec(values[:, :-size].reshape(-1, out.shape[1], size), values[:, -size:], out)
 
 
 class SoftFriction:
@@ -195,13 +225,20 @@ class SoftFriction:
         self._of_joints = batch.expand("dof_invweight0")
         self._speeds, self._accelerations = batch.bind("qvel"), batch.bind("qacc")
 
-    def forces(self, directions: Array, bearable: Array) -> Array:
-        """Of everything that rubs, (n, rubbing), from directions (n, rubbing, joints)."""
-        rates = np.matvec(directions, self._speeds)
-        missing = np.matvec(directions, self._accelerations) + self._damping * rates
-        weights = (self._of_tendons[:, self._tendons], self._of_joints[:, self._slides])
-        soft = self._softness * np.concatenate(weights, axis=-1)
-        return np.asarray(np.clip(-missing / soft, -bearable, bearable))
+    def along(self, step: Formulas, rubbing: list[Slopes], bearable: Value) -> Value:
+        """Of everything that rubs, (n, rubbing)."""
+        none, freedoms = step.constant(0.0), self._speeds.shape[1]
+        slopes = step.join([one.get(joint, none) for one in rubbing for joint in range(freedoms)])
+        rates, growing = (
+            step.apply(along_each, step.join((slopes, step.see(motion))), len(rubbing))
+            for motion in (self._speeds, self._accelerations)
+        )
+        missing = growing + step.constant(self._damping) * rates
+        weights = (
+            step.see(self._of_tendons, self._tendons), step.see(self._of_joints, self._slides),
+        )  # fmt: skip
+        soft = step.constant(self._softness) * step.join(weights)
+        return (-missing / soft).largest(-bearable).least(bearable)
 
 
 class ViscousFriction:
@@ -224,9 +261,9 @@ class ViscousFriction:
         on_joint[sim, at.slides] += scenario.trolley_viscous
         on_joint[sim, at.frames] += scenario.frame_viscous
 
-    def read(self) -> Array:
+    def along(self, step: Formulas) -> Value:
         """Force along each rope, (n, ropes) [N]; negative while it is paid out."""
         ropes, spools = self._at.ropes, self._at.spools
         if spools:
-            return np.asarray(-self._on_joint[:, spools] * self._speeds[:, spools])
-        return np.asarray(-self._on_tendon[:, ropes] * self._rates[:, ropes])
+            return -step.see(self._on_joint, spools) * step.see(self._speeds, spools)
+        return -step.see(self._on_tendon, ropes) * step.see(self._rates, ropes)

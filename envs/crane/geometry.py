@@ -242,12 +242,3 @@ def _holds(rig: Rig, vectors: Array, owners: list[int], size: int) -> bool:
     stacked = np.concatenate([*none, *(truth[rope.name][0] for rope in rig.ropes)], axis=-1)
     # Rounding leaves 1e-14; a span that is not affine is off by a share of its length.
     return bool(np.allclose(mine, stacked, 1e-9, 1e-9))
-
-
-def evenly(columns: list[int]) -> slice | None:
-    """The slice that picks these columns, so that a view will do; None if there is none."""
-    steps = {after - before for before, after in pairwise(columns)}
-    if len(steps) > 1 or min(steps, default=1) < 1:
-        return None
-    step = steps.pop() if steps else 1
-    return slice(columns[0], columns[-1] + 1, step)

@@ -30,6 +30,7 @@ from ...models.rig.idealised import without_jumps
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import NOTHING
+from ..formulas import Formulas
 from .courses import Course
 from .friction_forces import Places
 from .linear_model import LinearModel
@@ -165,7 +166,9 @@ class Lineariser:
         self._lengths, self._gears = batch.bind("actuator_length"), self.model.actuator_gear[:, 0]
         self._masses = batch.expand("body_mass")
         self._inertias = batch.expand("body_inertia") if turns(self.rig) else None
-        self._outputs = Outputs(self.rig, self.model, batch, rates=False)
+        self._outputs, look = np.zeros((batch.nsim, len(self.rig.outputs))), Formulas(batch.nsim)
+        look.keep(self._outputs, Outputs(self.rig, self.model, batch).values(look))
+        self._look = look.made()
         self._at = Places(self.rig, self.model)
         self._trolleys = np.zeros((len(self.rig.trolleys), self.model.nv))
         for row, trolley in enumerate(self.rig.trolleys):
@@ -184,10 +187,10 @@ class Lineariser:
         held[:, first : first + self._drives] += INPUT_STEP * np.eye(self._drives)
         every(self._ctrl)[...] = held * self._limits
         self._batch.forward(None, int(mujoco.mjtStage.mjSTAGE_POS))
-        self._outputs.read()
+        self._look()
         slopes, drives = (
             ((places[:, 1 : 1 + joints] - places[:, :1]) / STATE_STEP).swapaxes(1, 2)
-            for places in (every(self._outputs.values), every(self._lengths / self._gears))
+            for places in (every(self._outputs), every(self._lengths / self._gears))
         )
         self._disturb(states[:, joints:])
         self._batch.step(None, self._substeps, NOTHING)

@@ -5,18 +5,17 @@ have the planned acceleration over it, whatever an action says of their drives. 
 motion.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
-import numpy as np
 from mujoco.batch import Batch
 
-from ...models.mjcf.rig_state import joint_state
+from ...models.mjcf.rig_state import State
 from ...models.rig.chain import joint_names
 from ...models.rig.rig import Frame, Rig
 from ...models.types import Array
-from ..common import Ids
+from ..common import Ids, none_of
+from ..formulas import Formulas
 from ..signals import Rows
-from .plan import CranePlan
 
 
 def given_drives(rig: Rig) -> list[int]:
@@ -28,28 +27,41 @@ def given_drives(rig: Rig) -> list[int]:
 class MovingBase:
     """The bases of n simulations; rows are of their plans at the present steps."""
 
-    def __init__(self, rig: Rig, model: object, batch: Batch, rows: Rows, limits: Array) -> None:
-        self._rig, self._model, self._rows = rig, model, rows
+    def __init__(self, rig: Rig, batch: Batch, rows: Rows, limits: Array) -> None:
+        self._rows = rows
         self._drives = given_drives(rig)
         frames = [rig.driven(rig.drives[column]) for column in self._drives]
         self._joints = [joint_names(rig).index(frame.coordinate) for frame in frames]
-        self._limits = limits[self._drives]
+        self._limits = limits
         self._qpos, self._qvel, self._ctrl = (batch.bind(n) for n in ("qpos", "qvel", "ctrl"))
-        self._every = np.arange(batch.nsim)
+        self._lead = self._leading()
 
-    def start(self, ids: Ids, plans: Sequence[CranePlan]) -> None:
-        """Let simulations that stand where their plans begin move as these do."""
-        for sim in ids.tolist():
-            plan = plans[sim]
-            state = joint_state(self._rig, self._model, plan.start, plan.rates)
+    def start(self, ids: Ids, states: Sequence[State]) -> None:
+        """Let simulations that stand where their plans begin move as these do there."""
+        for sim, state in zip(ids.tolist(), states, strict=True):
             self._qvel[sim] = state.qvel
 
     def lead(self, ids: Ids | None) -> None:
         """Put the bases of all simulations or some where their plans are, for one period."""
-        parts, sims = self._rows.parts, self._every if ids is None else ids
-        count = parts["drives"].shape[1] // 2
-        here, columns = np.ix_(sims, np.array(self._joints)), np.array(self._drives)
-        self._qpos[here] = parts["drives"][np.ix_(sims, columns)]
-        self._qvel[here] = parts["drives"][np.ix_(sims, columns + count)]
-        planned = parts["feedforward"][np.ix_(sims, columns)]
-        self._ctrl[np.ix_(sims, columns)] = planned * self._limits
+        if ids is None:
+            self._lead()
+            return
+        live = (self._qpos, self._qvel, self._ctrl)
+        others = none_of(ids, len(self._qpos))
+        before = [values[others] for values in live]
+        self._lead()
+        for values, old in zip(live, before, strict=True):
+            values[others] = old
+
+    def _leading(self) -> Callable[[], None]:
+        """Formulas for all of them."""
+        lead, parts = Formulas(len(self._qpos)), self._rows.parts
+        drives, count = lead.see(parts["drives"]), parts["feedforward"].shape[1]
+        planned = lead.see(parts["feedforward"])
+        for joint, drive in zip(self._joints, self._drives, strict=True):
+            at = slice(joint, joint + 1)
+            lead.keep(self._qpos[:, at], drives[[drive]])
+            lead.keep(self._qvel[:, at], drives[[drive + count]])
+            limit = lead.constant(self._limits[drive])
+            lead.keep(self._ctrl[:, drive : drive + 1], planned[[drive]] * limit)
+        return lead.made()

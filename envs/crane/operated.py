@@ -12,12 +12,10 @@ follow it.  The reference that is observed and rewarded is what was let through.
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ...models.types import Array
 from ..common import Ids, Outcome, none_of
 from ..controllers import FeedforwardLaw, PDLaw
-from ..option_checks import actions_of
 from .outputs import levers
 from .references import OPERATOR
 from .task import CraneTask
@@ -46,7 +44,7 @@ class OperatedTask(CraneTask):
         """Names of the entries of an action: velocities of outputs, but for a base's."""
         return tuple(f"{self.rig.outputs[i]}.velocity" for i in self._led)
 
-    def step(self, actions: ArrayLike, ids: Ids | None = None) -> Outcome:
+    def hold(self, actions: Array, ids: Ids | None = None) -> Outcome:
         """Lead the loads over one control period.
 
         Parameters
@@ -55,16 +53,9 @@ class OperatedTask(CraneTask):
             Velocities over `speeds`, (n, actions); clipped to [-1, 1].
         ids
             The simulations to step, sorted; None for all.  The others stay as they are.
-
-        Raises
-        ------
-        OptionError
-            As `CraneTask.step`.
         """
-        names = self.action_names
-        idle = none_of(ids, self.num)
-        wanted = actions_of(actions, (self.num, len(names)), names, lambda: idle)
-        self.lead(self._speeds_of(wanted)[~idle], np.flatnonzero(~idle).astype(np.int32))
+        led = ~none_of(ids, self.num)
+        self.lead(self._speeds_of(actions)[led], np.flatnonzero(led).astype(np.int32))
         return self._hold(self._feedback.apply(self._feedforward.apply(self._nothing)), ids)
 
     def _speeds_of(self, actions: Array) -> Array:

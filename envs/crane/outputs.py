@@ -14,32 +14,22 @@ from ...models.rig.open_tensions import TENSION
 from ...models.rig.parts import Load, Platform, Trolley
 from ...models.rig.rig import Rig
 from ...models.types import Array
-from .geometry import Scales, evenly
+from ..formulas import Formulas, Value, in_order
+from .geometry import Scales
 
 Term = tuple[str, int, float]
 """Where a coordinate, or a part of it, is read: source, column, factor."""
 
 
+SOURCES = {"site": "site_xpos", "joint": "qpos", "rope": "ten_length"}
+SPEEDS = {"site": "sensordata", "joint": "qvel", "rope": "ten_velocity"}
+"""What MuJoCo calls places and lengths, and their rates."""
+
+
 class Outputs:
-    """Live outputs of n simulations.
+    """Formulas for the outputs of n simulations, in metres and radians, and for their rates."""
 
-    Attributes
-    ----------
-    values, rates
-        Shape (n, outputs) [m, rad] and [m/s, rad/s]; no rates without `rates`.
-    """
-
-    def __init__(
-        self,
-        rig: Rig,
-        model: mujoco.MjModel,
-        batch: Batch,
-        rates: bool,
-        tensions: Array | None = None,
-    ) -> None:
-        num = batch.nsim
-        if tensions is None:  # where nobody asks for them
-            tensions = np.zeros((num, len(rig.tension_names)))
+    def __init__(self, rig: Rig, model: mujoco.MjModel, batch: Batch) -> None:
         free = [*(part.name for part in rig.loads), *(part.name for part in rig.platforms)]
         sites = [model.site(index).name for index in range(model.nsite)]
         where = sources(rig, model)
@@ -51,52 +41,41 @@ class Outputs:
             ]
             for output in rig.outputs
         ]
-        self.values = np.zeros((num, len(self._terms)))
-        self.rates = np.zeros((num, len(self._terms) if rates else 0))
-        self._sources = {
-            "site": batch.bind("site_xpos").reshape(num, -1),
-            "joint": batch.bind("qpos"),
-            "rope": batch.bind("ten_length"),
-            "tension": tensions,
-        }
-        self._speeds = {
-            "site": batch.bind("sensordata"),
-            "joint": batch.bind("qvel"),
-            "rope": batch.bind("ten_velocity"),
-            "tension": np.zeros_like(tensions),
-        }
         self._sensors = {
             3 * sites.index(name) + axis: 3 * row + axis
             for row, name in enumerate(free)
             for axis in range(3)
         }
-        columns = [terms[0][1] for terms in self._terms]
-        # One lookup does where every output is a place.
-        self._only_sites = all(terms[0][0] == "site" and len(terms) == 1 for terms in self._terms)
-        if self._only_sites:
-            self._places = evenly(columns) or columns
-            columns = [self._sensors[column] for column in columns]
-            self._speed_places = evenly(columns) or columns
+        self._batch = batch
 
-    def read(self) -> None:
-        """Bring `values` and `rates` up to date."""
-        if self._only_sites:
-            self.values[...] = self._sources["site"][:, self._places]
-            if self.rates.size:
-                self.rates[...] = self._speeds["site"][:, self._speed_places]
-            return
-        for output, terms in enumerate(self._terms):
-            self.values[:, output] = sum(
-                factor * self._sources[source][:, column] for source, column, factor in terms
-            )
-            if self.rates.size:
-                self.rates[:, output] = sum(
-                    factor * self._speeds[source][:, self._speed_column(source, column)]
-                    for source, column, factor in terms
-                )
+    def values(self, step: Formulas, tensions: Value | None = None) -> Value:
+        """The outputs, (n, outputs); 0 for a tension where these are not given."""
+        return self._sums(step, SOURCES, tensions)
 
-    def _speed_column(self, source: str, column: int) -> int:
-        return self._sensors[column] if source == "site" else column
+    def rates(self, step: Formulas) -> Value:
+        """Their rates, (n, outputs); none of a tension."""
+        return self._sums(step, SPEEDS, None)
+
+    def _sums(self, step: Formulas, sources: dict[str, str], tensions: Value | None) -> Value:
+        """Weighted sums of what is read; one lookup does where every output is a place."""
+        if all(len(terms) == 1 and terms[0][0] == "site" for terms in self._terms):
+            columns = [self._column(*terms[0][:2], sources) for terms in self._terms]
+            return step.see(self._batch.bind(sources["site"]), columns)
+        outputs = []
+        for terms in self._terms:
+            parts = []
+            for source, column, factor in terms:
+                if source == "tension":
+                    value = step.constant(0.0) if tensions is None else tensions[[column]]
+                else:
+                    column = self._column(source, column, sources)
+                    value = step.see(self._batch.bind(sources[source]), [column])
+                parts.append(value if factor == 1.0 else step.constant(factor) * value)
+            outputs.append(in_order(parts))
+        return step.join(outputs)
+
+    def _column(self, source: str, column: int, sources: dict[str, str]) -> int:
+        return self._sensors[column] if source == "site" and sources is SPEEDS else column
 
 
 def levers(rig: Rig, scales: Scales) -> Array:

@@ -4,24 +4,25 @@ Each has its own load mass, friction and wind.  What is read after a control per
 new state under the inputs still held.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from weakref import WeakKeyDictionary
 
 import mujoco
 import numpy as np
 
-from ...models.mjcf.rig_state import State, coordinates, points
+from ...models.mjcf.rig_state import State, coordinates, joint_state, points
 from ...models.mjcf.ropes import Ropes
-from ...models.mjcf.swinging import way
 from ...models.rig.chain import joint_names, weighed
 from ...models.rig.idealised import with_ideal_gears
 from ...models.rig.rig import Rig
 from ...models.types import Array
 from ..common import NOT_FINITE, NOTHING, Ids
+from ..formulas import Formulas, Value, in_order
 from ..simulations import Simulations
 from .disturbances import Scenario
 from .friction_forces import DryFriction, ViscousFriction
 from .gear_losses import loses
-from .geometry import angle_joints, geometry_of, hangers, swing_bodies, turned
+from .geometry import angle_joints, geometry_of, hangers, swing_bodies
 from .link_forces import LinkForces
 from .moving_base import MovingBase
 from .outputs import Outputs
@@ -30,6 +31,7 @@ from .plan import CranePlan
 from .plant_model import plant_model
 from .stretching import Stretching
 from .tensions import RopeForces, sensed
+from .turning import rotation, way
 from .wind import Wind, heading
 
 ACCELERATIONS = int(mujoco.mjtStage.mjSTAGE_ACC)
@@ -80,15 +82,21 @@ class Plant(Simulations[CranePlan, Scenario]):
         self.stretching.check(model)
         super().__init__(model, num, len(rig.drives), substeps, nthread)
         self.home = np.array(self.model.key_qpos[0])
-        self._bind()
-        self._allocate()
-        self._outputs = Outputs(rig, self.model, self.batch, rates, self.tensions)
-        self.outputs, self.output_rates = self._outputs.values, self._outputs.rates
-        pulls, self._links = self.tensions, None
+        # How BLAS rounds depends on the place of a column: the first ones are left empty.
+        empty = np.zeros((len(rig.tension_names), self.geometry.clearances.shape[1]))
+        rows = (empty, self.geometry.clearances, *self.geometry.spans)
+        self._weights = np.ascontiguousarray(np.vstack(rows).T)
+        self._pulling = [] if self.stretching.slackens else list(rig.pulling)
+        self.reasons = (SLACK,) * len(self._pulling) + self.geometry.reasons
+        self.tensions = np.zeros((num, len(rig.tension_names)))
+        self.margins = np.ones((num, len(self.reasons)))
+        self._outputs = Outputs(rig, self.model, self.batch)
+        self.outputs = np.zeros((num, len(rig.outputs)))
+        self.output_rates = np.zeros((num, len(rig.outputs) if rates else 0))
+        self._links: LinkForces | None = None
         if rig.links and not weighed(rig):  # or what tells of ropes tells of links
-            pulls, held = np.split(self.tensions, [len(rig.ropes)], axis=1)
-            self._links = LinkForces(rig, self.model, self.batch, held)
-        self._forces = RopeForces(rig, self.model, self.batch, self.geometry, self._spans, pulls)
+            self._links = LinkForces(rig, self.model, self.batch)
+        self._forces = RopeForces(rig, self.model, self.batch, self.geometry)
         self._friction = None
         described = self.model.tendon_frictionloss.any(), self.model.dof_frictionloss.any()
         if friction or any(described) or loses(rig):
@@ -98,7 +106,11 @@ class Plant(Simulations[CranePlan, Scenario]):
         self._viscous: ViscousFriction | None = None
         if self.model.tendon_damping.any() or self.model.dof_damping.any():
             self._viscous = ViscousFriction(rig, self.model, self.batch)
+        self._starts: WeakKeyDictionary[CranePlan, State] = WeakKeyDictionary()
+        self._carried = [self.model.body(name).id for name in payload_bodies(rig)]
+        self._turns = turns(rig)
         self._wind = Wind(rig, self.model, self.batch)
+        self._follow: Callable[[], None] | None = None
         self.base: MovingBase | None = None
         self.qpos[...] = self.home  # a first reset may be of some simulations only
         self.batch.forward()
@@ -126,7 +138,7 @@ class Plant(Simulations[CranePlan, Scenario]):
     @property
     def memory(self) -> tuple[Array, ...]:
         """What was read, and bounds of friction."""
-        read = (self.encoders, self._mapped, self.margins, self.outputs, self.output_rates)
+        read = (self.encoders, self.tensions, self.margins, self.outputs, self.output_rates)
         return read if self._friction is None else (*read, *self._friction.memory)
 
     @property
@@ -148,13 +160,23 @@ class Plant(Simulations[CranePlan, Scenario]):
     def set_off(self, ids: Ids, plans: Sequence[CranePlan]) -> None:
         """Let simulations that stand where their plans begin move as these do."""
         if self.base is not None:
-            self.base.start(ids, plans)
+            self.base.start(ids, [self.start_of(plans[sim]) for sim in ids.tolist()])
             self.batch.forward(ids, self.stage)
             self._read()
 
     def at_rest(self, plan: CranePlan) -> Array:
         """Joints (nq,) where a plan begins."""
-        return self.stretching.at_rest(self.model, plan.start, plan.inputs)
+        return np.asarray(self.start_of(plan).qpos)
+
+    def start_of(self, plan: CranePlan) -> State:
+        """How a plan begins, its base in motion; kept, as many episodes may have the same plan."""
+        if plan not in self._starts:
+            rest = self.stretching.at_rest(self.model, plan.start, plan.inputs)
+            rates = np.zeros_like(rest)
+            if self.base is not None:
+                rates = joint_state(self.rig, self.model, plan.start, plan.rates).qvel
+            self._starts[plan] = State(rest, rates)
+        return self._starts[plan]
 
     def drives_at(self, joints: Array) -> Array:
         """Drive positions (drives,) at joints (nq,)."""
@@ -170,98 +192,74 @@ class Plant(Simulations[CranePlan, Scenario]):
         beyond = np.flatnonzero(self.margins[sim] <= 0)
         return self.reasons[beyond[0]] if beyond.size else ""
 
-    def _bind(self) -> None:
-        """Live views of what is read and written at every step."""
-        batch, model, num = self.batch, self.model, self.num
-        start = (self.qpos.ctypes.data - batch.state.ctypes.data) // batch.state.itemsize
-        both = batch.state[:, start : start + 2 * model.nq]  # qvel follows qpos
-        self._joint_state = both.reshape(num, 2, model.nq)
-        self._joint_accelerations = batch.bind("qacc")
-        self._lengths = batch.bind("actuator_length")
-        self._length_rates = batch.bind("actuator_velocity")
-        self._per_gear = np.tile(1.0 / model.actuator_gear[:, 0], (num, 1))
-        self._heights = batch.bind("site_xpos")[..., 2]
-        sites = [[model.site(name).id for name in pair] for pair in self.geometry.hung]
-        self._above, self._below = np.array(sites, dtype=int).reshape(-1, 2).T
-
-    def _allocate(self) -> None:
-        """Work arrays of the affine map, one small product of matrices for each simulation."""
-        num, geometry = self.num, self.geometry
-        ropes, clearances = len(self.rig.tension_names), len(geometry.reasons)
-        joints, size = geometry.spans.shape[-1], self.model.nq
-        pulling = [] if self.stretching.slackens else list(self.rig.pulling)
-        self._pulling = pulling if len(pulling) < ropes else None
-        self.reasons = (SLACK,) * len(pulling) + geometry.reasons
-        rows = (np.zeros((ropes, joints)), geometry.clearances, geometry.spans.reshape(-1, joints))
-        self._weights = np.ascontiguousarray(np.vstack(rows).T)
-        self._joints = np.zeros((num, 3, joints))
-        self._joints[:, 0, -1] = 1.0
-        self._state, self._accelerations = self._joints[:, :2, :size], self._joints[:, 2, :size]
-        self._turning = [
-            (self._joints[:, :, own], self._joints[:, :, size + 9 * index : size + 9 * index + 9])
-            for index, own in enumerate(angle_joints(self.rig))
-        ]
-        self._swinging = swing_bodies(self.rig)
-        first = size + 9 * len(self._turning)
-        self._ways = [
-            self._joints[:, :, first + 3 * index : first + 3 * index + 3].swapaxes(0, 1)
-            for index in range(len(self._swinging))
-        ]
-        self._named = {
-            name: self._joints[..., column].T for column, name in enumerate(joint_names(self.rig))
-        }
-        self._mapped = np.zeros((num, 3, self._weights.shape[1]))
-        self.margins = self._mapped[:, 0, : ropes + clearances]
-        self.tensions = self.margins[:, :ropes]
-        if self._pulling is not None:  # what pushes is no reason
-            self._clearances = self.margins[:, ropes:]
-            self.margins = np.ones((num, len(self.reasons)))
-        self._spans = self._mapped[:, :, ropes + clearances :]
-
     def _read(self) -> None:
         """Bring every attribute up to date."""
-        np.multiply(self._lengths, self._per_gear, self.drive_positions)
-        np.multiply(self._length_rates, self._per_gear, self.drive_rates)
-        self._state[...] = self._joint_state
-        self._accelerations[...] = self._joint_accelerations
-        for angles, rotation in self._turning:
-            rotation[...] = turned(angles)
-        if self._swinging:
-            self._swing()
-        np.matmul(self._joints, self._weights, self._mapped)
-        if self._above.size:
-            ropes = len(self.rig.ropes)
-            heights = self._heights[:, self._above] - self._heights[:, self._below]
-            self.margins[:, ropes : ropes + self._above.size] = heights
-        self._forces.read(self._rubbing())
+        if self._follow is None:
+            self._follow = self._formulas().made()
+        self._follow()
+
+    def _mapped(self, step: Formulas) -> list[Value]:
+        """What the affine map makes of the joints, (n, numbers) of each order."""
+        names = joint_names(self.rig)
+        joints = [step.see(self.batch.bind(name)) for name in ("qpos", "qvel", "qacc")]
+        motion = {name: [part[[column]] for part in joints] for column, name in enumerate(names)}
+        angles = [[motion[name] for name in names[own]] for own in angle_joints(self.rig)]
+        parts = [joints, *(rotation(step, own) for own in angles)]
+        parts += [way(step, self.rig, body, motion) for body in swing_bodies(self.rig)]
+        parts.append([step.constant(float(order == 0)) for order in range(3)])
+        every = step.join([part[order] for order in range(3) for part in parts])
+        size = self._weights.shape[1]
+        mapped = step.apply(self._map, every, 3 * size)
+        return [mapped[range(order * size, (order + 1) * size)] for order in range(3)]
+
+    def _map(self, joints: Array, out: Array) -> None:
+        """One small product of matrices for each simulation."""
+        numbers, size = self._weights.shape
+        np.matmul(joints.reshape(-1, 3, numbers), self._weights, out.reshape(-1, 3, size))
+
+    def _formulas(self) -> Formulas:
+        """What follows from joints, tendons and the affine map."""
+        step, rig = Formulas(self.num), self.rig
+        gears = step.constant(1.0 / self.model.actuator_gear[:, 0])
+        for name, attribute in (("length", "drive_positions"), ("velocity", "drive_rates")):
+            moved = step.see(self.batch.bind(f"actuator_{name}"))
+            step.keep(getattr(self, attribute), moved * gears)
+        mapped = self._mapped(step)
+        first, clear = len(rig.tension_names), len(self.geometry.reasons)
+        vectors = [order[range(first + clear, order.width)] for order in mapped]
+        tensions = self._forces.of(step, vectors, self._rubbing(step))
         if self._links is not None:
-            self._links.read()
-        if self._pulling is not None:
-            self.margins[:, : len(self._pulling)] = self.tensions[:, self._pulling]
-            self.margins[:, len(self._pulling) :] = self._clearances
-        self._outputs.read()
+            tensions = step.join([tensions, self._links.of(step)])
+        step.keep(self.tensions, tensions)
+        margins = mapped[0][range(first, first + clear)]
+        if self.geometry.hung:
+            above, below = (
+                step.see(
+                    self.batch.bind("site_xpos"), [3 * self.model.site(p).id + 2 for p in side]
+                )
+                for side in zip(*self.geometry.hung, strict=True)
+            )
+            margins = step.join([above - below, margins[range(above.width, clear)]])
+        step.keep(self.margins, step.join([tensions[self._pulling], margins]))
+        step.keep(self.outputs, self._outputs.values(step, tensions))
+        if self.output_rates.size:
+            step.keep(self.output_rates, self._outputs.rates(step))
+        return step
 
-    def _swing(self) -> None:
-        """Where the loads on links are, from the points that they swing about."""
-        for body, place in zip(self._swinging, self._ways, strict=True):
-            place[...] = way(self.rig, body, self._named, place)
-
-    def _rubbing(self) -> Array | None:
+    def _rubbing(self, step: Formulas) -> Value | None:
         """Force of friction along each rope, (n, ropes), None where nothing can rub."""
-        dry = None if self._friction is None else self._friction.read()
-        if self._viscous is None:
-            return dry
-        return self._viscous.read() if dry is None else dry + self._viscous.read()
+        rubbing = [part.along(step) for part in (self._friction, self._viscous) if part is not None]
+        return in_order(rubbing) if rubbing else None
 
     def _disturb(self, sim: int, scenario: Scenario) -> None:
         """Give a simulation its masses, friction and wind."""
         self._wind.set(sim, scenario)
-        loads = [self.model.body(name).id for name in payload_bodies(self.rig)]
-        self._scale_masses(sim, loads, scenario.load_mass, turns(self.rig))
+        self._scale_masses(sim, self._carried, scenario.load_mass, self._turns)
         if self._friction is not None:
             self._friction.set(sim, scenario)
         if self._viscous is None and scenario.viscous:
             self._viscous = ViscousFriction(self.rig, self.model, self.batch)
+            self._follow = None
         if self._viscous is not None:
             self._viscous.set(sim, scenario)
 

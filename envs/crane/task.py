@@ -151,8 +151,7 @@ class CraneTask(LiveTask):
         acting = Acting.without(self.rig.input_names, given)
         self._start(acting, layout_of(self.rig), arms, self.scales.length, band)
         if given:
-            model, batch = self.plant.model, self.plant.batch
-            self.plant.base = MovingBase(self.rig, model, batch, self.rows, self.limits)
+            self.plant.base = MovingBase(self.rig, self.plant.batch, self.rows, self.limits)
 
     def gains(self, track: Track = "moving") -> Gains:
         """Gains of a PD controller, see `flatrig.envs.crane.tuning`."""
@@ -190,7 +189,7 @@ class CraneTask(LiveTask):
         """The model with everything that is drawn."""
         return models.compile(self.plant.simulated, massless=self.massless, ropes=self.ropes)
 
-    def _truth(self) -> dict[str, NDArray[Any]]:
+    def _live_truth(self) -> dict[str, NDArray[Any]]:
         return {
             "load": self.plant.outputs,
             "reference": self.rows.parts["outputs"],

@@ -1,11 +1,14 @@
 """Wind on what a crane carries: a steady force with a sinusoid on top."""
 
+from collections.abc import Callable
+
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
 from ...models.rig.rig import Rig
 from ...models.types import Array
+from ..formulas import Formulas
 from .disturbances import Scenario
 from .payloads import payloads
 
@@ -17,10 +20,12 @@ class Wind:
         num = batch.nsim
         self._rig = rig
         self._loads = [model.body(load.name).id for load in payloads(rig)]
-        self._push, self._time = batch.bind("xfrc_applied"), batch.bind("time")
+        self._push = batch.bind("xfrc_applied")
         self._steady, self._gust, self._rate, self._phase = (np.zeros(num) for _ in range(4))
         self._heading = np.zeros((num, 3))
         self.blowing = False
+        self.blow = self._blowing(batch.bind("time"))
+        """Applies the forces of this instant."""
 
     def set(self, sim: int, scenario: Scenario) -> None:
         """The wind of one simulation."""
@@ -30,12 +35,16 @@ class Wind:
         self._heading[sim] = heading(self._rig, scenario.wind_direction)
         self.blowing = bool((self._steady != 0).any() or (self._gust != 0).any())
 
-    def blow(self) -> None:
-        """Apply the forces of this instant."""
-        sway = np.sin(self._rate * self._time + self._phase)
-        force = (self._steady + self._gust * sway)[:, None] * self._heading
+    def _blowing(self, time: Array) -> Callable[[], None]:
+        """Formulas for the forces at the live times of all simulations."""
+        blow = Formulas(len(self._heading))
+        steady, gust, rate, phase, now, heading = map(
+            blow.see, (self._steady, self._gust, self._rate, self._phase, time, self._heading)
+        )
+        force = (steady + gust * blow.apply(np.sin, rate * now + phase, 1)) * heading
         for load in self._loads:
-            self._push[:, load, :3] = force
+            blow.keep(self._push[:, load, :3], force)
+        return blow.made()
 
 
 def heading(rig: Rig, direction: float) -> Array:

@@ -25,9 +25,14 @@ def way(rig: Rig, body: Body, motion: Mapping[str, Array], like: Array) -> Array
     assert body.swing is not None
     vector = np.zeros((*like.shape[:-1], 3))
     vector[0] = body.swing.reach
-    for above in _upwards(body):
-        vector = turned_out(rig, above, vector, motion)
+    for name, axis in hinges_above(rig, body):
+        vector = turn_about(axis, vector, motion[name])
     return vector
+
+
+def hinges_above(rig: Rig, body: Body) -> list[tuple[str, Vector]]:
+    """Joints by which a body and those that carry it turn, with axes, from the body's own on."""
+    return [hinge for above in _upwards(body) for hinge in reversed(_turns(rig, above))]
 
 
 def swing_angles(
