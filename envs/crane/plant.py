@@ -31,7 +31,7 @@ from .plan import CranePlan
 from .plant_model import plant_model
 from .stretching import Stretching
 from .tensions import RopeForces, sensed
-from .turning import rotation, way
+from .turning_parts import rotation, way
 from .wind import Wind, heading
 
 ACCELERATIONS = int(mujoco.mjtStage.mjSTAGE_ACC)

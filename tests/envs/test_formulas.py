@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flatrig.envs.crane.small_systems import LARGEST, solved
-from flatrig.envs.crane.turning import rotation
+from flatrig.envs.crane.turning_parts import rotation
 from flatrig.envs.formulas import Formulas, Value, in_order, row_sum
 from flatrig.models.rig.turning_axes import carry
 

@@ -1,10 +1,7 @@
 """`flatrig bench`: how fast and how accurate, with the goals beside the numbers.
 
 `flatrig bench feedforward` is `error_against_time`, `flatrig bench cranebench` is `in_cranebench`,
-`flatrig bench stream` is `governed`.
-
-Ratios compare two things in one run on one machine: they are timed in turns, and the median over
-the repetitions is taken, so that other load on the machine hits both alike.
+`flatrig bench stream` is `governed`, `flatrig bench steps` is `step_cost`.
 """
 
 import statistics
@@ -30,6 +27,7 @@ from ..console import console, verdict
 from ..tables import table
 from .accuracy import accuracy_table, cases, land
 from .program_speed import program_tables
+from .step_cost import cost_table
 
 SAMPLES = 3001
 """Samples of a path whose solution is timed."""
@@ -44,20 +42,14 @@ SOLVE_LIMITS = {
 """Goals for SAMPLES samples [ms], of some cranes."""
 ONE_SAMPLE_LIMITS = {"overhead_crane": 0.1, "rotary_crane": 1.0}
 """Goals for one sample [ms], of some cranes."""
-STEP_LIMIT = 1.35
-"""Time of an environment step over that of the same physics in plain MuJoCo."""
-THROUGHPUT_LIMIT = 0.85
-"""Throughput of the vector environment over that of plain mujoco.batch."""
 IN_A_ROW = 20
 """Single samples timed at once."""
-ENVIRONMENTS = 64
-"""Environments in a vector."""
-STEPS = 100
-"""Control periods timed at once."""
+ENVIRONMENTS = ("overhead_crane", "rotary_crane")
+"""Cranes whose environments are timed; `flatrig bench steps` does it for all."""
 TOPICS = {
     **dict.fromkeys(("formulation", "scheme"), ("feedforward",)),
     **dict.fromkeys(("seeds", "seconds"), ("stream",)),
-    "rig": ("feedforward", "stream", "vectors"),
+    "rig": ("feedforward", "stream", "steps", "vectors"),
     **dict.fromkeys(("output", "resume", "on"), ("feedforward", "cranebench")),
     **dict.fromkeys(("samples", "json"), ("cranebench",)),
 }
@@ -85,6 +77,10 @@ def main(command: options.Bench) -> int:
         from . import governed
 
         return governed.main(command)
+    if command.topic == "steps":
+        from . import step_cost
+
+        return step_cost.main(command)
     if command.topic == "vectors":
         from . import vector_speed
 
@@ -93,7 +89,7 @@ def main(command: options.Bench) -> int:
     out.print(feedforward_table(command.repetitions))
     for lines in program_tables(command.repetitions):
         out.print(lines)
-    out.print(environment_table(command.repetitions))
+    out.print(cost_table([models.make(name) for name in ENVIRONMENTS], command.repetitions))
     out.print(accuracy_table(map(land, cases())))
     return 0
 
@@ -138,107 +134,6 @@ def _first(rig: Rig, reference: Reference, times: Array) -> float:
     begin = time.perf_counter()
     solve(rig, reference, times)
     return 1e3 * (time.perf_counter() - begin)
-
-
-def environment_table(repetitions: int) -> Table:
-    """Environments against plain MuJoCo with the same model and the same held inputs."""
-    lines = table(
-        f"Environments against plain MuJoCo, {STEPS} control periods, medians",
-        "", "environment", "plain", "ratio", "goal", "",
-    )  # fmt: skip
-    for name in ("overhead_crane", "rotary_crane"):
-        timings = _alternate(*_single(models.make(name)), repetitions)
-        ratio = statistics.median(env / plain for env, plain in zip(*timings, strict=True))
-        times = (1e6 / STEPS * statistics.median(seconds) for seconds in timings)
-        lines.add_row(
-            f"{name}: step against mj_step", *(f"{value:.1f} us" for value in times),
-            f"{ratio:.2f}", f"<= {STEP_LIMIT:g}", verdict(ratio <= STEP_LIMIT),
-        )  # fmt: skip
-    for name in ("overhead_crane", "rotary_crane"):
-        timings = _alternate(*_vector(models.make(name)), repetitions)
-        ratio = statistics.median(plain / env for env, plain in zip(*timings, strict=True))
-        speeds = (ENVIRONMENTS * STEPS / statistics.median(seconds) for seconds in timings)
-        lines.add_row(
-            f"{name}: {ENVIRONMENTS} in a vector against mujoco.batch",
-            *(f"{1e-3 * value:.1f} k/s" for value in speeds),
-            f"{ratio:.2f}", f">= {THROUGHPUT_LIMIT:g}", verdict(ratio >= THROUGHPUT_LIMIT),
-        )  # fmt: skip
-    return lines
-
-
-def _single(rig: Rig) -> tuple[Callable[[], float], Callable[[], float]]:
-    """Timers of one environment's steps and of bare `mj_step` with as many substeps."""
-    import mujoco
-
-    from ...envs import CraneEnv
-
-    env = CraneEnv(rig)
-    env.reset(seed=0)
-    task = env.task
-    plant = task.plant
-    inputs = np.array(plant.ctrl[0])
-    action = inputs / task.limits
-    data = mujoco.MjData(plant.model)
-
-    def plain() -> None:
-        data.ctrl[:] = inputs
-        mujoco.mj_step(plant.model, data, plant.substeps)
-
-    return (
-        _timer(partial(env.reset, seed=0), partial(env.step, action)),
-        _timer(partial(mujoco.mj_resetDataKeyframe, plant.model, data, 0), plain),
-    )
-
-
-def _vector(rig: Rig) -> tuple[Callable[[], float], Callable[[], float]]:
-    """Timers of a vector environment's steps and of bare `mujoco.batch` with as many threads."""
-    from mujoco.batch import Batch
-
-    from ...envs import CraneVectorEnv
-
-    env = CraneVectorEnv(rig, num_envs=ENVIRONMENTS)
-    env.reset(seed=0)
-    task = env.task
-    plant = task.plant
-    inputs = np.array(plant.ctrl)
-    actions = inputs / task.limits
-    batch = Batch(plant.model, ENVIRONMENTS, plant.batch.nthread)
-    ctrl, qpos, home = batch.bind("ctrl"), batch.bind("qpos"), np.array(plant.model.key_qpos[0])
-
-    def go_home() -> None:
-        batch.reset()
-        qpos[:] = home
-
-    def plain() -> None:
-        ctrl[:] = inputs
-        batch.step(None, plant.substeps)
-
-    return (
-        _timer(partial(env.reset, seed=0), partial(env.step, actions)),
-        _timer(go_home, plain),
-    )
-
-
-def _timer(reset: Callable[[], object], step: Callable[[], object]) -> Callable[[], float]:
-    """Timer of `STEPS` control periods from the start [s]."""
-
-    def timed() -> float:
-        reset()
-        begin = time.perf_counter()
-        for _ in range(STEPS):
-            step()
-        return time.perf_counter() - begin
-
-    return timed
-
-
-def _alternate(
-    first: Callable[[], float], second: Callable[[], float], repetitions: int
-) -> tuple[list[float], list[float]]:
-    """Timings of two things in turns, after one warm-up each."""
-    first(), second()
-    pairs = [(first(), second()) for _ in range(repetitions)]
-    return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
 
 
 class _Timing:
