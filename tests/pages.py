@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from flatrig.training.cli import main
+from flatrig.training.cli import _parse, main
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [
@@ -48,29 +48,29 @@ def commands(block: str) -> Iterator[list[str]]:
             yield words
 
 
-def run_command(words: list[str]) -> None:
-    """Run `flatrig ...`, with `> FILE` if there is one."""
-    if ">" in words:
-        place = words.index(">")
-        said = io.StringIO()
-        with contextlib.redirect_stdout(said):
-            status = main(words[1:place])
-        Path(words[place + 1]).write_text(said.getvalue(), encoding="utf-8")
-    else:
-        status = main(words[1:])
-    assert status == 0, words
+def command(words: list[str]) -> int:
+    """Run `flatrig ...`, with `> FILE` if there is one; returns the exit status."""
+    if ">" not in words:
+        return main(words[1:])
+    place = words.index(">")
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said):
+        status = main(words[1:place])
+    Path(words[place + 1]).write_text(said.getvalue(), encoding="utf-8")
+    return status
 
 
-def run(page: str, room: dict[str, Any] | None = None) -> dict[str, Any]:
-    """Run the Python of a page, block after block in one room of names; returns that.
+def parsed(words: list[str]) -> Any:
+    """The options of `flatrig ...`, which is not run; a mistake in them ends the test."""
+    return _parse(words[1:])
 
-    Blocks that need what is not installed are left out, and their needs are in "missing".
+
+def execute(page: str, block: str, names: dict[str, Any]) -> None:
+    """Run a block of Python with the names of those before, if what it needs is installed.
+
+    What is not installed is added to `names["missing"]`.
     """
-    room = {} if room is None else room
-    room["missing"] = []
-    for _, block in blocks(page, "python"):
-        if lacking := missing(block):
-            room["missing"] += lacking
-        else:
-            exec(compile(block, page, "exec"), room)
-    return room
+    lacking = missing(block)
+    names["missing"] += lacking
+    if not lacking:
+        exec(compile(block, page, "exec"), names)

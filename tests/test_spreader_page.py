@@ -22,18 +22,6 @@ def moved(**changes):
     return rig, path, feedforward.solve(rig, path, np.linspace(0.0, path.duration, 201))
 
 
-def test_its_examples_run(monkeypatch, capsys):
-    monkeypatch.chdir(ROOT)
-    text = (ROOT / "docs" / "how-to" / "spreader.md").read_text()
-    space = {}
-    for block in text.split("```python")[1:]:
-        exec(block.split("```")[0], space)
-    said = capsys.readouterr().out.splitlines()
-    assert said[0].startswith("True ")
-    assert "rig yard_crane: box.y is held, but at t = " in said[1]
-    assert said[2:] == ["3600.0 39240", "True", "True"]
-
-
 def test_forces_and_torques_balance():
     """Of the box, of the trolley and of each winch, from places and accelerations alone."""
     rig, path, motion = moved()

@@ -37,8 +37,8 @@ from .hand import Finger, Hand, HeldObject, Plate, Tip
 from .move import HandMove
 
 _SURFACES: dict[str, type[Plate | Tip]] = {"plate": Plate, "tip": Tip}
-_OWN = ("hand", "held", "fingers")
-"""Entries of hands that no rig has."""
+_OWN = ("hand", "fingers")
+"""Entries of hands that no rig has; `held` of a rig is no table but names of coordinates."""
 
 
 def load_hand(path: str | Path) -> tuple[Hand, HandMove | None]:
@@ -160,7 +160,7 @@ def describes_hand(path: str | Path) -> bool:
         table = table_of(read_text(path, RigError, largest=LARGEST), "hand", RigError)
     except RigError:
         return False
-    return any(key in table for key in _OWN)
+    return any(key in table for key in _OWN) or isinstance(table.get("held"), dict)
 
 
 def _not_of_the_move(key: str) -> None:

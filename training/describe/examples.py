@@ -2,6 +2,7 @@
 
 import sys
 import textwrap
+from contextlib import suppress
 from pathlib import Path
 
 from ...models import (
@@ -39,9 +40,8 @@ def example(name: str) -> str:
         if plain in (stem, stem.removesuffix("_crane")):
             return read_text(path, RigError)
     for catalogue in (CATALOGUE, HAND_CATALOGUE):
-        for full in catalogue:
-            if plain in (full, full.removesuffix(f"_{catalogue.ending}")):
-                return _described(full)
+        with suppress(RigError):
+            return _described(catalogue.full_name(name))
     known = dict.fromkeys((*files, *CATALOGUE, *HAND_CATALOGUE))
     short = {stem.removesuffix("_crane"): None for stem in known}
     raise RigError(f"there is no example {name!r}{did_you_mean(plain, short | known)}")
