@@ -285,21 +285,34 @@ class Hands:
     """Film one hand's motion instead, as GIF or MP4."""
 
 
-@command(crane=".describe.film:main", hand=".describe.film:film_hand")
+@command(crane=".film.film:of_a_crane", hand=".film.film:of_a_hand")
 class Render(RigOptions):
-    """Film the move of a crane or hand, driven by exact feedforward, without a display."""
+    """Film the move without a display, one or several controllers side by side."""
 
+    controller: str = ""
+    """Names of controllers as `flatrig compare` has them, with commas between them, such as
+    pd,ff,ff+pd,lqr,residual; if left out, exact inputs without feedback drive a crane, and planned
+    forces with a servo on its fingers a hand."""
+    policy: str = ""
+    """Policy of learned controllers (.json); the shipped one if left out."""
+    scenario: str = ""
+    """How the plant differs from its description, such as load_mass=1.2,wind=20."""
     output: Output = ""
     """GIF or MP4 to write, or PNG for three pictures in a row; results/RIG.gif if left out, and
     - for a GIF to standard output."""
-    camera: str = "overview"
-    """Camera of the scene."""
+    camera: str = "auto"
+    """auto (from where nothing hides the load), follow, top, orbit, or one of the scene: overview,
+    side."""
     width: int = 640
-    """Width of the pictures [pixels]."""
+    """Width of each controller's picture [pixels]."""
     height: int = 480
-    """Height of the pictures [pixels]."""
+    """Height of the same [pixels]."""
     fps: float = 25.0
     """Frames per second [Hz]."""
+    speed: float = 1.0
+    """Speed of the film over the crane's; 0.25 is slow motion."""
+    plain: bool = False
+    """Without ghost, trail, person, captions and bars."""
     force: bool = False
     """Film it even if a crane cannot make the move: there, ropes push and drives have no limits."""
 
@@ -325,7 +338,7 @@ class Drive(RigOptions):
     """Folder for recordings; results/drive-RIG if left out."""
 
 
-@command(".describe.film:write_scenes")
+@command(".describe.scenes:main")
 class Scenes:
     """Write the MuJoCo scenes of the catalogue as XML."""
 

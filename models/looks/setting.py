@@ -243,10 +243,33 @@ def lights(scene: mujoco.MjSpec, size: Sizes) -> None:
 
 
 def camera(scene: mujoco.MjSpec, name: str, towards: Array, cloud: Array) -> None:
-    """A camera that looks along `towards`, as near as it can be and still see the whole cloud.
+    """A camera that looks along `towards`, as near as it can be and still see the whole cloud."""
+    position, right, up = fitted(towards, cloud)
+    camera = scene.worldbody.add_camera(
+        name=name, pos=[_round(value) for value in position], fovy=FIELD_OF_VIEW
+    )
+    camera.alt.type = mujoco.mjtOrientation.mjORIENTATION_XYAXES
+    camera.alt.xyaxes = [_round(value) for value in (*right, *up)]
+
+
+def fitted(towards: Array, cloud: Array, aspect: float = ASPECT) -> tuple[Array, Array, Array]:
+    """Place of a camera that looks along `towards` from as near as it sees all, and its axes.
 
     In its axes (right r, up u, towards t) a point p is in the picture of a camera at c if
     |p_r - c_r| <= w (p_t - c_t), and alike for u: linear inequalities with a closed solution.
+
+    Parameters
+    ----------
+    towards
+        Where it looks, shape (3,).
+    cloud
+        Points that it must see, (points, 3) [m].
+    aspect
+        Width of the picture over its height.
+
+    Returns
+    -------
+    Place [m], direction to the right and upwards, each of shape (3,).
     """
     towards = towards / np.linalg.norm(towards)
     right = np.cross(towards, [0, 0, 1])
@@ -254,17 +277,13 @@ def camera(scene: mujoco.MjSpec, name: str, towards: Array, cloud: Array) -> Non
     up = np.cross(right, towards)
     slope = np.tan(np.radians(FIELD_OF_VIEW / 2)) / MARGIN
     depth, place, nearest = cloud @ towards, [], []
-    for axis, width in ((right, ASPECT * slope), (up, slope)):
+    for axis, width in ((right, aspect * slope), (up, slope)):
         low = float((cloud @ axis - width * depth).max())
         high = float((cloud @ axis + width * depth).min())
         place.append(0.5 * (low + high))
         nearest.append((high - low) / (2 * width))
     position = place[0] * right + place[1] * up + min(nearest) * towards
-    camera = scene.worldbody.add_camera(
-        name=name, pos=[_round(value) for value in position], fovy=FIELD_OF_VIEW
-    )
-    camera.alt.type = mujoco.mjtOrientation.mjORIENTATION_XYAXES
-    camera.alt.xyaxes = [_round(value) for value in (*right, *up)]
+    return np.asarray(position), np.asarray(right), np.asarray(up)
 
 
 def _round(value: float) -> float:

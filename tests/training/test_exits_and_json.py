@@ -101,8 +101,9 @@ def test_a_move_that_cannot_be_made_is_no_for_every_command(
 def test_force_goes_on_all_the_same(
     argv: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    blank = np.zeros((3, 4, 4, 3), np.uint8)
-    monkeypatch.setattr("flatrig.models.looks.render.frames", lambda *_: iter(blank))
+    blank = np.zeros((4, 12, 3), np.uint8)
+    monkeypatch.setattr("flatrig.models.looks.render.backend", lambda: "")
+    monkeypatch.setattr("flatrig.training.film.filming.Film.strip", lambda self: blank)
     assert main([*argv, "--force"]) == 0
     out, err = capsys.readouterr()
     assert f"wrote {argv[-1]}" in out

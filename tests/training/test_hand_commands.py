@@ -1,7 +1,6 @@
 """Hands on the command line: what is printed, written and refused, and K's figures 2.13 to 2.19."""
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ from flatrig import models
 from flatrig.feedforward.rolling import in_cones, joint_forces, plan_hand
 from flatrig.models.mjcf import hand_state
 from flatrig.training.cli import main
+from flatrig.training.film.filming import Film
 from flatrig.training.look_up import is_hand
 from flatrig.training.options import Analyse
 from flatrig.training.reproduce import figures_k2, figures_k2_grasp
@@ -125,11 +125,12 @@ def test_a_hand_is_filmed(
     """Joints are those of MuJoCo, from the plan's start to where it ends."""
     seen: list[np.ndarray] = []
 
-    def blank(_: object, qpos: np.ndarray, *__: object) -> Iterator[np.ndarray]:
-        seen.append(qpos)
-        return iter(np.zeros((3, 48, 64, 3), dtype=np.uint8))
+    def blank(film: Film) -> np.ndarray:
+        seen.append(film.shot.takes[0].qpos)
+        return np.zeros((48, 192, 3), dtype=np.uint8)
 
-    monkeypatch.setattr("flatrig.models.looks.render.frames", blank)
+    monkeypatch.setattr("flatrig.models.looks.render.backend", lambda: "")
+    monkeypatch.setattr("flatrig.training.film.filming.Film.strip", blank)
     move = ("--goal", "0.2", "--duration", "0.5", "-o", "film.png")
     assert "wrote film.png: 3 pictures" in said(capsys, "render", "two-finger", *move)
     hand = models.two_finger_hand()

@@ -21,15 +21,16 @@ from rich.progress import track
 
 from ... import envs
 from ...models import CATALOGUE, HAND_CATALOGUE, Hand, HandMove, Move, Rig
-from ...models.errors import OptionError, did_you_mean
+from ...models.errors import OptionError
 from ...models.files import make_folder, unwinding
 from .. import options
 from ..console import console
 from ..describe.feasible import INFEASIBLE, problems_of
 from ..exits import DONE, refuse
 from ..option_values import check_number
-from ..policy import Policy, shipped
-from .contenders import Contender, Plant, contenders_for
+from ..policy import Policy
+from .chosen import named, policy_for
+from .contenders import Contender, Plant
 
 ROOT = "MINARI_DATASETS_PATH"
 """Environment variable in which Minari has the folder of its datasets."""
@@ -74,26 +75,6 @@ def check(command: options.Dataset) -> None:
     for name in NEEDED:
         if importlib.util.find_spec(name) is None:
             raise OptionError(f"datasets need the package {name}: pip install 'flatrig[minari]'")
-
-
-def named(name: str, plant: Plant) -> Contender:
-    """The contender of a name, of which case and spaces do not matter.
-
-    Raises
-    ------
-    OptionError
-        There is none for such a plant.
-    """
-    known = {_plain(entry.name): entry for entry in contenders_for(plant)}
-    if _plain(name) not in known:
-        raise OptionError(
-            f"no controller {name!r} for a {plant}{did_you_mean(_plain(name), known)}"
-        )
-    return known[_plain(name)]
-
-
-def _plain(name: str) -> str:
-    return "".join(name.lower().split())
 
 
 def _main(command: options.Dataset, kind: Plant, plant: Rig | Hand, move: Move | HandMove) -> int:
@@ -152,17 +133,9 @@ def _place(name: str, replace: bool) -> Path:
 
 
 def _policy(command: options.Dataset, entry: Contender, plant: Rig | Hand) -> Policy | None:
-    if not entry.learned:
-        if command.policy:
-            raise OptionError(f"--policy is for controllers that are learned, not {entry.name}")
-        return None
-    policy = Policy.load(command.policy) if command.policy else shipped(plant, entry.sensors)
-    if policy is None:
-        raise OptionError(
-            f"no policy is shipped for {plant.name} with sensors={entry.sensors!r}; give one by "
-            "--policy"
-        )
-    return policy
+    if command.policy and not entry.learned:
+        raise OptionError(f"--policy is for controllers that are learned, not {entry.name}")
+    return policy_for(entry, plant, Policy.load(command.policy) if command.policy else None)
 
 
 def _environment(

@@ -1,0 +1,1 @@
+"""`flatrig render`: films of cranes and hands, one or several controllers side by side."""
