@@ -109,17 +109,17 @@ def test_the_ghost_is_where_the_reference_is_and_the_error_what_it_is(drawing):
     film = Film(shot, Look(width=160, height=120), still=True)
     assert film.away[0] == pytest.approx(1.5)
     place = film._planned[0]
-    with film.stage() as stage:
-        pose = stage.pose(0.0, film._rows[0][0])
+    with film.studio() as studio:
+        pose = studio.pose(0.0, film._rows[0][0])
         nothing = film._path[:2] * 0 - [0, 0, 90.0], film._path[:1]
         seen = [
-            np.array(stage.picture(pose, film._rows[0][0], ghost, *nothing), int)
+            np.array(studio.picture(pose, film._rows[0][0], ghost, *nothing), int)
             for ghost in (place, film._rows[0][0])
         ]
     changed = np.abs(seen[0] - seen[1]).sum(axis=2) > 40
     rows, columns = np.nonzero(changed)
     crate = placed(shot.model, place).geom_xpos[carried_geoms(shot.model, ["load"])[:1]]
-    across, up = pose.project(crate, stage.aspect)[0]
+    across, up = pose.project(crate, studio.aspect)[0]
     width, height = changed.shape[1], changed.shape[0]
     assert np.median(columns) == pytest.approx(0.5 * width * (1 + across), abs=4)
     assert np.median(rows) == pytest.approx(0.5 * height * (1 - up), abs=6)

@@ -13,7 +13,7 @@ import numpy as np
 from ...models.looks.views import Pose
 from ...models.types import Array
 from .captions import MOST_ROWS, Bar, Pixels, Sheet, grid_of, in_units, largest, round_length
-from .stage import Stage
+from .studio import Studio
 from .takes import Shot, Take
 
 LEAST = {"m": 1e-4, "deg": 0.1}
@@ -82,44 +82,44 @@ class Film:
         """Number of pictures."""
         return len(self.times)
 
-    def stage(self) -> Stage:
+    def studio(self) -> Studio:
         """What draws; to be closed."""
         trails = np.vstack([places.reshape(-1, 3) for _, places in self._trails])
         away = largest(self.away) if max(map(np.max, self.away)) > 0 else 0.0
-        return Stage(self.shot, self.look.camera, self._sheet.picture, self._planned, trails, away)
+        return Studio(self.shot, self.look.camera, self._sheet.picture, self._planned, trails, away)
 
     def images(self) -> Iterator[Pixels]:
         """Every picture, tiles of all takes in it."""
-        with self.stage() as stage:
+        with self.studio() as studio:
             for k in range(self.count):
-                yield grid_of(self._tiles(stage, k))
+                yield grid_of(self._tiles(studio, k))
 
     def strip(self) -> Pixels:
         """Pictures in a row, one row for each take."""
-        with self.stage() as stage:
-            columns = [np.concatenate(self._tiles(stage, k)) for k in range(self.count)]
+        with self.studio() as studio:
+            columns = [np.concatenate(self._tiles(studio, k)) for k in range(self.count)]
         return np.concatenate(columns, axis=1)
 
-    def _tiles(self, stage: Stage, k: int) -> list[Pixels]:
+    def _tiles(self, studio: Studio, k: int) -> list[Pixels]:
         share = k / max(1, self.count - 1)
         tiles = []
         for index, take in enumerate(self.shot.takes):
             joints = self._rows[index][k]
-            pose = stage.pose(share, joints)
+            pose = studio.pose(share, joints)
             times, places = self._trails[index]
             trail = places[times <= self.times[k] + 1e-9]
             planned = None if self.look.plain else self._planned[k]
-            picture = stage.picture(pose, joints, planned, self._path, trail)
-            tiles.append(self._sheet.compose(picture, *self._said(stage, pose, take, index, k)))
+            picture = studio.picture(pose, joints, planned, self._path, trail)
+            tiles.append(self._sheet.compose(picture, *self._said(studio, pose, take, index, k)))
         return tiles
 
     def _said(
-        self, stage: Stage, pose: Pose, take: Take, index: int, k: int
+        self, studio: Studio, pose: Pose, take: Take, index: int, k: int
     ) -> tuple[str, str, tuple[float, float], list[Bar], str]:
         """Caption, clock, a length and its pixels where the load is, bars, what went wrong."""
         slow = "" if self.look.speed == 1.0 else f"  x {self.look.speed:g}"
         now = self.times[k]
-        metre = pose.metre(self._subject(index, k), stage.aspect) * self._sheet.picture[0]
+        metre = pose.metre(self._subject(index, k), studio.aspect) * self._sheet.picture[0]
         if not self._length:
             self._length = round_length(RULER * self._sheet.picture[0] / metre)
         scale = self._length, self._length * metre

@@ -29,7 +29,7 @@ SAMPLES = 2
 """Of each pixel: half as many as in a scene, which takes half the time."""
 
 
-class Stage:
+class Studio:
     """Draws pictures of a shot.
 
     Parameters
@@ -82,7 +82,7 @@ class Stage:
         self._renderer = renderer(self._model, *size)
         self._looks()
 
-    def __enter__(self) -> "Stage":
+    def __enter__(self) -> "Studio":
         return self
 
     def __exit__(self, *_: object) -> None:
