@@ -56,12 +56,9 @@ class Film:
 
     def __init__(self, shot: Shot, look: Look, still: bool = False) -> None:
         self.shot, self.look = shot, look
-        if still:
-            times = np.linspace(0.0, shot.arrival, STILLS)
-        else:
-            step = look.speed / look.fps
-            times = step * np.arange(int(shot.duration / step + 1e-9) + 1)
-        self.times: Array = np.asarray(times, dtype=np.float64)
+        step = shot.arrival / (STILLS - 1) if still else look.speed / look.fps
+        count = STILLS if still else int(shot.duration / step + 1e-9) + 1
+        self.times: Array = np.asarray(step * np.arange(count), dtype=np.float64)
         """Instants of the pictures [s]."""
         self._planned = shot.reference(self.times)
         whole = np.linspace(0.0, shot.arrival, POINTS)
