@@ -40,7 +40,13 @@ def given_ropes(option: Any) -> str | Ropes:
 
 
 class Stretching:
-    """The ropes of a rig's model, which may have others than rigid ones."""
+    """The ropes of a rig's model, which may have others than rigid ones.
+
+    Raises
+    ------
+    OptionError
+        They give way, and a winch has a gear that loses power.
+    """
 
     def __init__(self, rig: Rig, ropes: str | Ropes) -> None:
         self._rig, self._ropes = rig, ropes_of(ropes, rig)
@@ -48,6 +54,12 @@ class Stretching:
         """Whether ropes can go slack."""
         self.stretches = self._ropes.kind in ("elastic", "slack")
         """Whether they give way at all."""
+        for drive in rig.drives if self.stretches else ():
+            if drive.efficiency != 1.0 and drive.on in rig.rope_names:
+                raise OptionError(
+                    f"drive {drive.name}: its gear has efficiency {drive.efficiency:g}, and loses "
+                    f"nothing with {self._ropes.kind} ropes; take rigid ones, or efficiency = 1"
+                )
 
     def check(self, model: mujoco.MjModel) -> None:
         """Refuse springs that the time step is too long for.

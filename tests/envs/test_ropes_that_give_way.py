@@ -1,5 +1,6 @@
 """Ropes that stretch or go slack in environments, against rigid ones and springs by hand."""
 
+from dataclasses import replace
 from functools import partial
 
 import gymnasium as gym
@@ -117,3 +118,22 @@ def test_wrong_ropes_get_one_line(ropes, message):
         gym.make(OVERHEAD, ropes=ropes)
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_more_ropes_than_joints_go_slack_and_rub_too():
+    env = gym.make(envs.OWN, rig="cable_robot", ropes="slack", disturbances="standard", nthread=1)
+    env = envs.Feedforward(envs.PD(env))
+    env.reset(seed=1)
+    pulls = np.array([env.step(np.zeros(8))[4]["tension"] for _ in range(5)])
+    stiff = {"rig": "cable_robot", "disturbances": "standard", "nthread": 1}
+    rigid = envs.Feedforward(envs.PD(gym.make(envs.OWN, **stiff)))
+    rigid.reset(seed=1)
+    expected = np.array([rigid.step(np.zeros(8))[4]["tension"] for _ in range(5)])
+    np.testing.assert_allclose(pulls, expected, rtol=5e-3)
+
+
+def test_gears_that_lose_power_are_refused_where_ropes_give_way():
+    rig = models.overhead_crane()
+    drives = [replace(drive, efficiency=0.9) for drive in rig.drives]
+    with pytest.raises(OptionError, match="loses nothing with slack ropes; take rigid ones"):
+        gym.make(OVERHEAD, rig=replace(rig, drives=tuple(drives)), ropes="slack")
