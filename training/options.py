@@ -10,7 +10,7 @@ from tyro.conf import Positional, arg
 
 from .commands import COMMANDS as COMMANDS  # filled below
 from .commands import command
-from .option_values import Json, On, Output, Target
+from .option_values import Json, On, Output
 from .option_values import check_number as check_number
 from .rig_options import RigOptions
 
@@ -57,22 +57,6 @@ class Solve(RigOptions):
     """Write it even if the rig cannot make the move."""
 
 
-@command(crane=".describe.write_source:main", hand=".describe.write_policy:of_a_hand")
-class Export(RigOptions):
-    """Write exact feedforward, which tests itself with the move, or a policy, for a controller."""
-
-    c: Target = ""
-    """C99 file of the feedforward to write, its header beside it; or - for standard output."""
-    python: Target = ""
-    """Python file of the feedforward to write, or -."""
-    onnx: Target = ""
-    """ONNX file of a trained policy to write (needs the extra onnx), or -."""
-    sensors: Literal["encoders", "sway", "full"] = "encoders"
-    """Sensors of that policy."""
-    policy: str = ""
-    """Policy to write (.json); the shipped one for the sensors if left out."""
-
-
 @command(
     crane=".compare.compare_cranes:main",
     hand=".compare.compare_hands:main",
@@ -108,32 +92,6 @@ class Compare(RigOptions):
     resume: bool = False
     """Keep what an interrupted run has left in the folder."""
     json: Json = False
-
-
-@command(crane=".compare.record_dataset:of_a_crane", hand=".compare.record_dataset:of_a_hand")
-class Dataset(RigOptions):
-    """Record what a controller does as a dataset of Minari (needs the extra minari)."""
-
-    controller: str = "ff+pd"
-    """Name of a controller as `flatrig compare` has it, without spaces."""
-    episodes: int = 10
-    """Number of episodes."""
-    moves: Literal["own", "random"] = "own"
-    """Moves of the episodes."""
-    sensors: Literal["", "encoders", "sway", "full"] = ""
-    """What is observed; what the controller needs if left out."""
-    nominal: bool = False
-    """Without disturbances."""
-    seed: int = 0
-    """Seed of the first episode; each has the next one."""
-    policy: str = ""
-    """Policy of a learned controller (.json); the shipped one if left out."""
-    name: str = ""
-    """Name of the dataset; RIG/CONTROLLER-v0 if left out."""
-    output: Output = ""
-    """Folder of datasets; Minari's own if left out."""
-    replace: bool = False
-    """Replace a dataset of that name."""
 
 
 @command(crane=".learn.train:main", hand=".learn.train_hands:main")
@@ -377,3 +335,8 @@ class Example:
 
     name: Positional[str] = ""
     """Name of an example, or of a crane of the catalogue; without one a list."""
+
+
+# Below, so that `flatrig --help` lists them after those above.
+from .export_options import Dataset as Dataset  # noqa: E402
+from .export_options import Export as Export  # noqa: E402
