@@ -18,6 +18,8 @@ PAGES = [
     for path in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
 ]
 """Every page but CONTRIBUTING.md, whose recipes tests/test_recipes.py follows."""
+OWN = {"flatrig.envs.warp": "mujoco_warp"}
+"""What a module of flatrig's own needs."""
 
 
 def blocks(page: str, *kinds: str) -> Iterator[tuple[str, str]]:
@@ -37,6 +39,7 @@ def missing(block: str) -> list[str]:
         elif isinstance(node, ast.ImportFrom):
             names.append(str(node.module))
     tops = {name.partition(".")[0] for name in names}
+    tops |= {OWN[name] for name in names if name in OWN}
     return sorted(top for top in tops if importlib.util.find_spec(top) is None)
 
 

@@ -147,15 +147,16 @@ class Bench:
     """Measure the solver, the environments and the accuracy in MuJoCo on this machine."""
 
     topic: Positional[
-        Literal["speed", "feedforward", "cranebench", "stream", "steps", "vectors"]
+        Literal["speed", "feedforward", "cranebench", "stream", "steps", "vectors", "warp"]
     ] = "speed"
     """"feedforward": the error of every formulation and scheme against its run time instead;
     "cranebench": flatrig's controllers beside those of that benchmark, in its plant and wind;
     "stream": cranes driven by random commands that nobody could follow; "steps": what a step and
     a reset of an environment add to the physics, for every crane; "vectors": native vector
-    environments beside those that step one after the other, for Gymnasium and stable-baselines3."""
+    environments beside those that step one after the other, for Gymnasium and stable-baselines3;
+    "warp": thousands of worlds in mujoco_warp (needs the extra warp)."""
     repetitions: int = 15
-    """Repetitions of each timing of "speed", "steps" and "vectors"."""
+    """Repetitions of each timing of "speed", "steps", "vectors" and "warp"."""
     samples: int = 100
     """Samples of each campaign of "cranebench"."""
     seeds: int = 10
@@ -164,7 +165,7 @@ class Bench:
     """How long they last [s]."""
     rig: tuple[str, ...] = ()
     """Rigs of the catalogue for all but "speed" and "cranebench"; every rig if left out, of
-    "vectors" the overhead and the rotary crane."""
+    "vectors" and "warp" the overhead and the rotary crane."""
     formulation: tuple[str, ...] = ()
     """Names of formulations ("minimal extension") for "feedforward"; all if left out."""
     scheme: tuple[str, ...] = ()

@@ -140,12 +140,14 @@ def test_scratch_memory_is_ample():
 def test_the_table(monkeypatch, capsys):
     monkeypatch.setattr(lean, "CATALOGUE", {"overhead_crane": models.overhead_crane})
     monkeypatch.setattr(lean, "HAND_CATALOGUE", {"ball_on_plate": None})
-    monkeypatch.setenv("COLUMNS", "170")
+    monkeypatch.setenv("COLUMNS", "240")
     assert cli.main(["lean"]) == 0
     said = capsys.readouterr().out
     assert all(name in said for name in (*lean.VARIANTS, *lean.HAND_VARIANTS))
     assert "looks, constraints" in said
     assert "looks, all but contact" in said
+    wrong = [line for line in said.splitlines() if "wrong" in line and "MJX" not in line]
+    assert len(wrong) == len(lean.HAND_VARIANTS)
 
 
 def test_every_crane_of_the_catalogue_is_driven_in_mujoco():

@@ -6,7 +6,8 @@ plain MuJoCo; each hand with motors, with a servo on its slides, dressed and wri
 constraint rows just after home, `looks` are parts to be seen or read (geoms that touch nothing,
 sensors); `data` is what one simulation needs besides the model; `features` are those of MuJoCo that
 act besides tendons and motors.  Left out are looks that the dressed scene has, and constraints:
-contact, equality, friction loss, limit.
+contact, equality, friction loss, limit.  The last columns say whether MJX and mujoco_warp compute
+the accelerations that MuJoCo in C does, see `engines`.
 
     used(model)        # features of MuJoCo that act in this model
     on(model)          # those that are switched on
@@ -34,6 +35,7 @@ from .. import options
 from ..console import console
 from ..simulate.hand_runs import SERVO
 from ..tables import table
+from .engines import NOTE, runs
 
 VARIANTS: dict[str, dict[str, Any]] = {
     "rigid": {"visuals": False},
@@ -74,12 +76,13 @@ def main(_: options.Lean) -> None:
     lines = table(
         "What scenes carry (model and data in kB, steps in microseconds)",
         "scene", "nq", "nv", "nu", "tendons", "rows", "looks", "model", "data", "step",
-        "features", "left out",
+        "features", "left out", "MJX", "Warp",
     )  # fmt: skip
     out = console()
     for name in track([*CATALOGUE, *HAND_CATALOGUE], "Looking", transient=True, console=out):
         _add(lines, name, scenes(name))
     out.print(lines)
+    out.print(NOTE)
 
 
 def scenes(name: str) -> dict[str, mujoco.MjModel]:
@@ -153,7 +156,7 @@ def _add(lines: Table, name: str, models: dict[str, mujoco.MjModel]) -> None:
     """Rows of one crane or hand."""
     lines.add_row(name)
     for variant, model in models.items():
-        data = mujoco.MjData(model)
+        data, engine = mujoco.MjData(model), runs(model)
         mujoco.mj_resetDataKeyframe(model, data, 0)
         mujoco.mj_step(model, data, SETTLING)
         lines.add_row(
@@ -161,7 +164,8 @@ def _add(lines: Table, name: str, models: dict[str, mujoco.MjModel]) -> None:
             str(data.nefc), str(sum(_looks(model).values())),
             f"{mujoco.mj_sizeModel(model) / 1e3:.1f}", f"{(data.nbuffer + data.narena) / 1e3:.0f}",
             f"{_step_time(model, data):.1f}", ", ".join(sorted(used(model) & on(model))),
-            _left_out(model), end_section=variant == [*models][-1],
+            _left_out(model), engine["MJX"], engine["Warp"],
+            end_section=variant == [*models][-1],
         )  # fmt: skip
 
 

@@ -49,7 +49,7 @@ ENVIRONMENTS = ("overhead_crane", "rotary_crane")
 TOPICS = {
     **dict.fromkeys(("formulation", "scheme"), ("feedforward",)),
     **dict.fromkeys(("seeds", "seconds"), ("stream",)),
-    "rig": ("feedforward", "stream", "steps", "vectors"),
+    "rig": ("feedforward", "stream", "steps", "vectors", "warp"),
     **dict.fromkeys(("output", "resume", "on"), ("feedforward", "cranebench")),
     **dict.fromkeys(("samples", "json"), ("cranebench",)),
 }
@@ -81,6 +81,10 @@ def main(command: options.Bench) -> int:
         from . import step_cost
 
         return step_cost.main(command)
+    if command.topic == "warp":
+        from . import world_speed
+
+        return world_speed.main(command)
     if command.topic == "vectors":
         from . import vector_speed
 
