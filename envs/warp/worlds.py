@@ -25,18 +25,18 @@ from typing import NamedTuple
 import numpy as np
 import torch
 
-from ..models.errors import OptionError
-from ..models.rig.rig import Rig, Rope
-from ..models.types import Array
-from ..models.values import bounded
-from .common import LIMIT
-from .crane.gear_losses import loses
-from .crane.outputs import levers, sources
-from .crane.references import ReferenceOption
-from .crane.task import CraneTask
-from .rewards import JERKY, NEAR
-from .signals import MEMORY
-from .warp_physics import WarpPhysics
+from ...models.errors import OptionError
+from ...models.rig.rig import Rig, Rope
+from ...models.types import Array
+from ...models.values import bounded
+from ..common import LIMIT
+from ..crane.gear_losses import loses
+from ..crane.outputs import levers, sources
+from ..crane.references import ReferenceOption
+from ..crane.task import CraneTask
+from ..rewards import JERKY, NEAR
+from ..signals import MEMORY
+from .physics import WarpPhysics
 
 
 class Step(NamedTuple):

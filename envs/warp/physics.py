@@ -7,8 +7,8 @@ import mujoco
 import torch
 import warp
 
-from ..models.errors import OptionError
-from ..models.types import Array
+from ...models.errors import OptionError
+from ...models.types import Array
 
 # Before mujoco_warp starts it: else it tells of every kernel that it loads.
 warp.config.log_level = max(warp.config.log_level, warp.LOG_WARNING)
