@@ -22,7 +22,7 @@ SCENES += [("overhead_crane", variant) for variant in lean.VARIANTS if variant !
 SINGLE = 3e-5
 """Of the largest acceleration: what single precision leaves of a crane's."""
 CONSTRAINED = 1e-2
-"""The same where ropes are constraints, or contacts stiff."""
+"""The same where ropes are constraints or springs, or contacts stiff."""
 
 
 def crane_states(name, variant):

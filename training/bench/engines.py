@@ -12,7 +12,7 @@ RIGHT = "right"
 """Accelerations are those of MuJoCo in C: to 1e-12 of the largest in MJX (double precision), to
 3e-5 in mujoco_warp (single)."""
 ROUGH = "to 1 %"
-"""In single precision, where ropes are constraints or things touch: both are stiff."""
+"""In single precision, where ropes are constraints or springs, or things touch: these are stiff."""
 WRONG = "wrong"
 """They are off by half a per cent up to many times their size."""
 NOTE = (
@@ -26,10 +26,11 @@ def runs(model: mujoco.MjModel) -> dict[str, str]:
     """How each engine computes a model's accelerations, by its name."""
     touching = not model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
     touching = touching and bool(np.any(model.geom_contype) or np.any(model.geom_conaffinity))
+    gives = bool(np.any(model.tendon_stiffness))
     return {
         "C": RIGHT,
         "MJX": WRONG if touching and _rolls(model) else RIGHT,
-        "Warp": ROUGH if touching or model.neq else RIGHT,
+        "Warp": ROUGH if touching or model.neq or gives else RIGHT,
     }
 
 
