@@ -26,7 +26,7 @@ def runs(model: mujoco.MjModel) -> dict[str, str]:
     """How each engine computes a model's accelerations, by its name."""
     touching = not model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
     touching = touching and bool(np.any(model.geom_contype) or np.any(model.geom_conaffinity))
-    gives = bool(np.any(model.tendon_stiffness))
+    gives = bool(np.any(model.tendon_stiffness) or np.any(model.tendon_limited))
     return {
         "C": RIGHT,
         "MJX": WRONG if touching and _rolls(model) else RIGHT,
