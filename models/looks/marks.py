@@ -104,7 +104,7 @@ def grid(scene: Any, low: Array, high: Array, floor: float, step: float) -> None
 
 
 def obstacle(scene: Any, thing: Any) -> None:
-    """A sphere with `centre` and `radius`, or a box with corners `low` and `high`."""
+    """A ball with `centre` and `radius`, or a box with corners `low` and `high`."""
     if hasattr(thing, "radius"):
         ball(scene, thing.centre, thing.radius, FORBIDDEN)
         return

@@ -1,5 +1,6 @@
 """`flatrig render`: what is in pictures, where cameras stand, what files hold."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import mujoco
@@ -125,6 +126,24 @@ def test_the_ghost_is_where_the_reference_is_and_the_error_what_it_is(drawing):
     assert np.median(rows) == pytest.approx(0.5 * height * (1 - up), abs=6)
 
 
+def test_obstacles_are_drawn_where_they_stand(drawing):
+    ball = feedforward.Sphere("tank", centre=(2.0, 0.0, -2.0), radius=0.5)
+    shot = replace(shot_of(), obstacles=(ball, feedforward.Box("wall", (0, -1, -5), (1, 1, -4))))
+    film = Film(shot, Look(width=120, height=90), still=True)
+    with film.studio() as studio:
+        picture = film._rows[0][0], None, film._path[:1], film._path[:1]
+        pose = studio.pose(0.0, picture[0])
+        studio.picture(pose, *picture)
+        drawn = studio._renderer.scene.geoms[: studio._renderer.scene.ngeom][-2:]
+        spots = pose.project(np.array([ball.centre, (0, -1, -5), (1, 1, -4)]), studio.aspect)
+    assert np.abs(spots).max() < 1.0
+    assert [geom.type for geom in drawn] == [marks.SPHERE, marks.BOX]
+    assert np.allclose(drawn[0].pos, ball.centre)
+    assert np.allclose(drawn[0].size, 0.5)
+    assert np.allclose(drawn[1].pos, (0.5, 0.0, -4.5))
+    assert np.allclose(drawn[1].size, (0.5, 1.0, 0.5))
+
+
 def test_falls_are_as_many_ropes_side_by_side():
     rig, model, path = planned("luffing", 2)
     scene, options, camera = mujoco.MjvScene(model, 3000), mujoco.MjvOption(), mujoco.MjvCamera()
@@ -168,14 +187,14 @@ def test_bars_are_as_long_as_their_numbers(share):
     bars = [Bar("error", "3.00 mm", 0.5), Bar("hoist", "-1.0 N", share, wrong=True)]
     whole = sheet.compose(picture, "FF + PD", "0.50 s", (2.0, 50.0), bars, "")
     assert whole.shape == (240, 320, 3)
-    below = whole[height:, : width - 70]
+    below = whole[-sheet.below :, : width - 70]
     lengths = [int((below == colour).all(axis=2).any(axis=0).sum()) for colour in (BLUE, RED)]
     assert lengths[1] == pytest.approx(2 * share * lengths[0], abs=3)
-    above = whole[:height]
-    assert (above[: sheet.line, :60] != 128).any()  # caption
-    assert (above[: sheet.line, -60:] != 128).any()  # clock
-    assert (above[sheet.line * 2 : height - 3 * sheet.line] == 128).all()
-    dark = (above[-sheet.letters] < 60).all(axis=1)
+    above, shown = whole[: sheet.above], whole[sheet.above : -sheet.below]
+    assert (above[:, :60] < 60).any()  # caption
+    assert (above[:, -60:] < 60).any()  # clock
+    assert (shown[: height - 3 * sheet.line] == 128).all()
+    dark = (shown[-sheet.letters] < 60).all(axis=1)
     assert dark.sum() == pytest.approx(51, abs=2)  # the length in pixels
 
 

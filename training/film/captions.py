@@ -51,13 +51,14 @@ class Sheet:
         self.line = round(1.45 * self.letters)
         self.below = 0 if plain else rows * self.line + self.letters
         self.below = min(self.below, height // 2)
+        self.above = 0 if plain else round(1.6 * self.letters)
         self._plain = plain
         self._font = ImageFont.load_default(self.letters)
 
     @property
     def picture(self) -> tuple[int, int]:
         """Width and height of the picture [pixels]."""
-        return self.size[0], self.size[1] - self.below
+        return self.size[0], self.size[1] - self.above - self.below
 
     def compose(
         self,
@@ -73,16 +74,16 @@ class Sheet:
             return picture
         width, height = self.size
         sheet = Image.new("RGB", self.size, PAPER)
-        sheet.paste(Image.fromarray(picture), (0, 0))
+        sheet.paste(Image.fromarray(picture), (0, self.above))
         draw = ImageDraw.Draw(sheet)
-        gap = self.letters // 2
-        clock_at = width - gap - draw.textlength(clock, self._font)
-        self._label(draw, (clock_at, gap), clock)
-        room = clock_at - 3 * gap
-        self._label(draw, (gap, gap), self._short(draw, title, room))
+        gap, middle = self.letters // 2, self.above / 2
+        draw.text((width - gap, middle), clock, INK, font=self._font, anchor="rm")
+        room = width - 4 * gap - draw.textlength(clock, self._font)
+        title = self._short(draw, title, room)
+        draw.text((gap, middle), title, INK, font=self._font, anchor="lm")
         if alarm:
             alarm = self._short(draw, alarm, width - 2 * gap)
-            self._label(draw, (gap, gap + self.line), alarm, RED)
+            self._alarm(draw, (gap, self.above + gap), alarm)
         self._length(draw, *scale)
         names = max((draw.textlength(bar.name, self._font) for bar in bars), default=0.0)
         names = min(names, 0.34 * width)
@@ -101,14 +102,12 @@ class Sheet:
             draw.text((width - gap, middle), bar.text, colour, font=self._font, anchor="rm")
         return np.asarray(sheet, dtype=np.uint8)
 
-    def _label(
-        self, draw: ImageDraw.ImageDraw, place: tuple[float, float], text: str, ink: object = INK
-    ) -> None:
-        """Text on paper, readable before whatever is behind it."""
+    def _alarm(self, draw: ImageDraw.ImageDraw, place: tuple[float, float], text: str) -> None:
+        """What went wrong, on paper, readable before whatever is behind it."""
         x0, y0, x1, y1 = draw.textbbox(place, text, self._font)
         edge = self.letters // 4
         draw.rectangle((x0 - edge, y0 - edge, x1 + edge, y1 + edge), PAPER)
-        draw.text(place, text, ink, font=self._font)  # type: ignore[arg-type]
+        draw.text(place, text, RED, font=self._font)
 
     def _short(self, draw: ImageDraw.ImageDraw, text: str, room: float) -> str:
         """As much of a text as there is room for."""
@@ -120,8 +119,8 @@ class Sheet:
 
     def _length(self, draw: ImageDraw.ImageDraw, length: float, long: float) -> None:
         """A bar of a length in the lower left corner of the picture."""
-        height, gap = self.picture[1], self.letters
-        base = height - gap
+        gap = self.letters
+        base = self.size[1] - self.below - gap
         right = 1.5 * gap + long
         draw.rectangle((gap / 2, base - 1.6 * gap, right, base + gap / 2), PAPER)
         for line in (

@@ -5,6 +5,7 @@ from itertools import product
 import mujoco
 import numpy as np
 
+from ...feedforward.planning.obstacles import Box, Obstacle
 from ...models.looks import marks
 from ...models.looks.render import renderer
 from ...models.looks.setting import FIELD_OF_VIEW
@@ -63,6 +64,7 @@ class Studio:
         self.aspect = size[0] / size[1]
         views = Views(self._model, path, shot.carried, self.aspect, away)
         trails = self._within(trails, views.cloud)
+        trails = np.vstack([trails, *(_ends(thing) for thing in shot.obstacles)])
         views = Views(self._model, path, shot.carried, self.aspect, away, trails, shot.reach)
         self.low, self.high = views.cloud.min(axis=0), views.cloud.max(axis=0)
         self._somebody = self._standing(views) if shot.walked else None
@@ -113,6 +115,8 @@ class Studio:
                 marks.line(scene, path[:, body], thin, marks.PLANNED)
                 marks.line(scene, trail[:, body], 1.4 * thin, marks.GONE)
             self._scale(scene)
+        for thing in self._shot.obstacles:
+            marks.obstacle(scene, thing)
         return np.array(drawing.render(), dtype=np.uint8)
 
     def _within(self, trails: Array, cloud: Array) -> Array:
@@ -186,3 +190,10 @@ class Studio:
         data.qpos[:] = joints
         mujoco.mj_fwdPosition(self._model, data)
         return data
+
+
+def _ends(thing: Obstacle) -> Array:
+    """Two opposite corners of the box about an obstacle (2, 3) [m]."""
+    if isinstance(thing, Box):
+        return np.array([thing.low, thing.high])
+    return np.array(thing.centre) + np.array([[-thing.radius], [thing.radius]])

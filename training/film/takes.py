@@ -15,6 +15,7 @@ from rich.progress import track
 from ...envs import CraneEnv, HandEnv, HandScenario, Scenario
 from ...envs.crane.payloads import payload_bodies
 from ...feedforward import Reference, from_move, solve
+from ...feedforward.planning.obstacles import Obstacle
 from ...feedforward.rolling import HandPlan, plan_hand
 from ...models import Hand, HandMove, Move, Rig
 from ...models.mjcf import hand_state, rig_model
@@ -84,6 +85,8 @@ class Shot:
     """How many ropes the last span of a tendon stands for, by the tendon's index."""
     walked: bool = True
     """Whether people stand on its floor."""
+    obstacles: tuple[Obstacle, ...] = ()
+    """What stands about, to be drawn."""
     reach: float = np.inf
     """How far from what is carried cameras look that see all [m]."""
 
