@@ -193,7 +193,7 @@ def test_bars_are_as_long_as_their_numbers(share):
     above, shown = whole[: sheet.above], whole[sheet.above : -sheet.below]
     assert (above[:, :60] < 60).any()  # caption
     assert (above[:, -60:] < 60).any()  # clock
-    assert (shown[: height - 3 * sheet.line] == 128).all()
+    assert (shown[: height - 3 * sheet.line, :-1] == 128).all()
     dark = (shown[-sheet.letters] < 60).all(axis=1)
     assert dark.sum() == pytest.approx(51, abs=2)  # the length in pixels
 
@@ -210,6 +210,19 @@ def test_a_film_lasts_as_long_as_its_speed_says():
         film = Film(shot, Look(fps=fps, speed=speed))
         assert film.count == count
         assert film.times[-1] == pytest.approx(2.0)
+
+
+def test_a_hopeless_controller_does_not_hide_how_good_others_are():
+    shot = shot_of(aside=0.1)
+    rows = shot.takes[0].qpos
+    far = np.stack([rows[0], rows[0] + 300.0])
+    others = (replace(shot.takes[0], name="too", qpos=rows), replace(shot.takes[0], qpos=far))
+    film = Film(replace(shot, takes=(*shot.takes, *others)), Look(), still=True)
+    good, bad = (film._bars(film.shot.takes[k], k, 2)[0] for k in (0, 2))
+    assert good.share == pytest.approx(0.1 / (1.05 * 0.2))
+    assert not good.wrong
+    assert bad.share > 1.0
+    assert bad.wrong
 
 
 def test_controllers_are_named_as_in_comparisons():

@@ -100,6 +100,7 @@ class Sheet:
             reach = begin + (end - begin) * float(np.clip(bar.share, 0.0, 1.0))
             draw.rectangle((begin, middle - half, reach, middle + half), colour)
             draw.text((width - gap, middle), bar.text, colour, font=self._font, anchor="rm")
+        draw.line((0, height - 1, width - 1, height - 1, width - 1, 0), PALE)
         return np.asarray(sheet, dtype=np.uint8)
 
     def _alarm(self, draw: ImageDraw.ImageDraw, place: tuple[float, float], text: str) -> None:

@@ -129,7 +129,8 @@ class Film:
 
     def _bars(self, take: Take, index: int, k: int) -> list[Bar]:
         error = float(self.away[index][k])
-        bars = [Bar("error", in_units(error, "m"), error / self._scales["m"])]
+        share = error / self._scales["m"]
+        bars = [Bar("error", in_units(error, "m"), share, share > 1.0)]
         now = [
             (m.name, float(np.interp(self.times[k], take.times, m.values)), m.unit)
             for m in take.meters
@@ -148,8 +149,12 @@ class Film:
         return 1 + (2 if count > MOST_ROWS - 1 else count)
 
     def _ranges(self) -> dict[str, float]:
-        """What a whole bar stands for, by unit: the same in all takes."""
-        values: dict[str, list[Array]] = {"m": list(self.away)}
+        """What a whole bar stands for, by unit: the same in all takes.
+
+        Where a take is hopeless its errors are beyond it, so that those of others can be told.
+        """
+        usual = 2.0 * float(np.median([away.max() for away in self.away]))
+        values: dict[str, list[Array]] = {"m": [np.minimum(away, usual) for away in self.away]}
         for take in self.shot.takes:
             for meter in take.meters:
                 values.setdefault(meter.unit, []).append(meter.values)
