@@ -196,4 +196,5 @@ def _ends(thing: Obstacle) -> Array:
     """Two opposite corners of the box about an obstacle (2, 3) [m]."""
     if isinstance(thing, Box):
         return np.array([thing.low, thing.high])
-    return np.array(thing.centre) + np.array([[-thing.radius], [thing.radius]])
+    reach = np.array([[-thing.radius], [thing.radius]])
+    return np.asarray(np.array(thing.centre) + reach, dtype=np.float64)
