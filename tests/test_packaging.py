@@ -16,9 +16,10 @@ ROOT = Path(__file__).resolve().parents[1]
 
 # Folders at the top that hold no package, and of which only `DATA` ships.
 NOT_SHIPPED = {"build", "dist", "docs", "results", "runs", "tests"}
-AT_THE_TOP = ("LICENSE", "__init__.py", "py.typed")
+AT_THE_TOP = ("CITATION.cff", "LICENSE", "__init__.py", "py.typed")
 DATA = (
     "*.md",
+    "CITATION.cff",
     "docs/*.md",
     "docs/*/*.md",
     *(f"docs/how-to/*.{ending}" for ending in ("py", "toml")),

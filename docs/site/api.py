@@ -141,6 +141,6 @@ def write(folder: Path) -> None:
         names = ", ".join(f":py:obj:`~{place}.{name}`" for place, name in members)
         rows.append(f":doc:`{page}`\n   {first_line(page)}\n\n   {names}\n")
     title = "Python"
-    tree = "\n".join(f"   {page}" for page in pages())
+    tree = "\n".join(f"   {page.removeprefix('flatrig.')} <{page}>" for page in pages())
     index = [title, "=" * len(title), "", *rows, ".. toctree::", "   :hidden:", "", tree, ""]
     (folder / "index.rst").write_text("\n".join(index), encoding="utf-8")

@@ -46,7 +46,7 @@ def write_environments(folder: Path) -> None:
     names = [name.removeprefix("flatrig/") for name in environment_ids()]
     for name in names:
         (folder / f"{name}.md").write_text(environment_page(name), encoding="utf-8")
-    tree = "\n".join(["```{toctree}", ":hidden:", *names, "```\n"])
+    tree = "\n".join(["```{toctree}", ":hidden:", *(f"{name} <{name}>" for name in names), "```\n"])
     (folder / "index.md").write_text(f"{environments_page()}\n{tree}", encoding="utf-8")
 
 

@@ -7,7 +7,6 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 project = "flatrig"
-author = "The flatrig developers"
 release = metadata.version("flatrig")
 
 extensions = [
@@ -35,5 +34,6 @@ html_theme = "furo"
 html_title = f"flatrig {release}"
 html_static_path = ["static"]
 html_css_files = ["flatrig.css"]
+html_show_copyright = False
 html_show_sourcelink = False
 html_copy_source = False

@@ -12,12 +12,17 @@ from pathlib import Path
 from typing import Any
 
 import api
+import numpy as np
 from docutils import nodes
+from numpy.typing import ArrayLike, NDArray
+from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.ext import napoleon
 from sphinx.util.nodes import make_refnode
+from sphinx.util.typing import stringify_annotation
 
 import flatrig
+from flatrig.models.types import Array, Mask
 
 ROOMS = ("models", "feedforward", "envs", "training")
 
@@ -126,6 +131,48 @@ def process(app: Sphinx, what: str, name: str, thing: Any, options: Any, lines: 
         napoleon._process_docstring(app, what, name, thing, options, lines)
 
 
+ALIASES = (
+    ("ArrayLike", ArrayLike),
+    ("Array", Array),
+    ("Mask", Mask),
+    ("NDArray", NDArray[Any]),
+    ("NDArray", NDArray[np.int32]),
+)
+
+
+@functools.cache
+def shorter() -> dict[str, str]:
+    """Names for types of arrays, by what they are an alias of, the longest first."""
+    texts = {
+        stringify_annotation(alias, mode): name
+        for name, alias in ALIASES
+        for mode in ("smart", "fully-qualified", "fully-qualified-except-typing")
+    }
+    return dict(sorted(texts.items(), key=lambda item: -len(item[0])))
+
+
+def with_aliases(text: str) -> str:
+    """A signature in which types of arrays are called as in the sources."""
+    for long, short in shorter().items():
+        text = text.replace(long, short)
+    return text
+
+
+def sign(app: Sphinx, *about: Any) -> tuple[str, str | None] | None:
+    """Write a signature, of which there is one of a function or class, with those names."""
+    *_, signature, returns = about
+    if signature is None:
+        return None
+    return with_aliases(signature), returns and with_aliases(returns)
+
+
+def name_types(app: Sphinx, tree: nodes.document) -> None:
+    """Do so where a field or property tells its type."""
+    for signature in tree.findall(addnodes.desc_annotation):
+        if (text := with_aliases(signature.astext())) != signature.astext():
+            signature.children = [nodes.Text(text)]
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Take part in the build."""
     app.setup_extension("sphinx.ext.napoleon")
@@ -133,5 +180,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
         if listener.handler is napoleon._process_docstring:
             app.disconnect(listener.id)
     app.connect("autodoc-process-docstring", process)
+    app.connect("autodoc-process-signature", sign)
+    app.connect("doctree-read", name_types)
     app.connect("missing-reference", resolve)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
