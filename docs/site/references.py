@@ -8,6 +8,7 @@ is left for a name that is wrong.
 import ast
 import functools
 import importlib
+import re
 from pathlib import Path
 from typing import Any
 
@@ -148,6 +149,7 @@ def shorter() -> dict[str, str]:
         for name, alias in ALIASES
         for mode in ("smart", "fully-qualified", "fully-qualified-except-typing")
     }
+    texts |= {re.sub(r"~?(?:\w+\.)+(?=\w)", "", text): name for text, name in texts.items()}
     return dict(sorted(texts.items(), key=lambda item: -len(item[0])))
 
 

@@ -47,7 +47,9 @@ class Step(NamedTuple):
     positions: Array
     """Coordinates [m] or [rad], shape (coordinates,)."""
     velocities: Array
+    """Their first derivatives, of that shape."""
     accelerations: Array
+    """Their second derivatives, of that shape."""
     slack: bool
     """Whether a rope would have to push."""
 
