@@ -147,7 +147,7 @@ def test_the_table(monkeypatch, capsys):
     assert "looks, constraints" in said
     assert "looks, all but contact" in said
     wrong = [line for line in said.splitlines() if "wrong" in line and "MJX" not in line]
-    assert len(wrong) == len(lean.HAND_VARIANTS)
+    assert len(wrong) == len(lean.HAND_VARIANTS) + 1  # and as it is written
 
 
 def test_every_crane_of_the_catalogue_is_driven_in_mujoco():
