@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from ..models.errors import OptionError
 from ..models.files import replacing
 
 COLOURS = ("#8c8c8c", "#56b4e9", "#e69f00", "#0072b2", "#d55e00", "#009e73")
@@ -52,13 +53,39 @@ def legend_below(figure: Any, *axes: Any) -> None:
     figure.legend(lines, texts, **options)
 
 
-def save(drawn: Any, path: str | Path) -> None:
-    """Write a figure as PNG.
+UNSAID: dict[str, dict[str, None]] = {
+    ".png": {"Software": None},
+    ".svg": {"Date": None},
+    ".pdf": {"CreationDate": None},
+}
+"""Kinds of files, and what is left out of each so that the same figure is the same file."""
+
+
+def check_picture(path: str | Path) -> None:
+    """Refuse a file that is no picture, before anything is computed for it.
 
     Raises
     ------
+    OptionError
+        Its name ends otherwise.
+    """
+    if Path(path).suffix.lower() not in UNSAID:
+        raise OptionError(f"a figure is a .png, .svg or .pdf file, not {str(path)!r}")
+
+
+def save(drawn: Any, path: str | Path) -> None:
+    """Write a figure as PNG, SVG or PDF.
+
+    Raises
+    ------
+    OptionError
+        The file's name ends otherwise.
     OutputError
         The file cannot be written.
     """
-    with replacing(path) as beside:
-        drawn.savefig(beside, dpi=_STYLE["savefig.dpi"], metadata={"Software": None})
+    check_picture(path)
+    kind = Path(path).suffix.lower()
+    import matplotlib
+
+    with replacing(path) as beside, matplotlib.rc_context({"svg.hashsalt": "flatrig"}):
+        drawn.savefig(beside, format=kind[1:], dpi=_STYLE["savefig.dpi"], metadata=UNSAID[kind])

@@ -58,3 +58,19 @@ def test_what_is_no_run_gets_one_line(tmp_path: Path) -> None:
     with pytest.raises(OptionError, match=r"no config\.json; did you mean overhead-seed0"):
         read_run(tmp_path / "overhead-seed")
     assert main(["plot"]) == 2
+
+
+@pytest.mark.parametrize("kind", ["svg", "pdf"])
+def test_a_figure_is_the_same_file_each_time(kind: str, tmp_path: Path) -> None:
+    run = a_run(tmp_path / "run", seed=0, errors=[0.1, 0.1])
+    for name in ("a", "b"):
+        assert main(["plot", str(run), "-o", str(tmp_path / f"{name}.{kind}")]) == 0
+    assert (tmp_path / f"a.{kind}").read_bytes() == (tmp_path / f"b.{kind}").read_bytes()
+
+
+def test_a_figure_is_a_picture(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    run = a_run(tmp_path / "run", seed=0, errors=[0.1, 0.1])
+    assert main(["plot", str(run), "-o", "curves.jpg"]) == 2
+    assert capsys.readouterr().err == (
+        "flatrig: error: a figure is a .png, .svg or .pdf file, not 'curves.jpg'\n"
+    )

@@ -57,7 +57,7 @@ def main(command: options.Plot) -> None:
     Raises
     ------
     OptionError
-        A folder holds no run, or one without rows.
+        A folder holds no run, or one without rows, or the output is no picture.
     OutputError
         The figure cannot be written.
     """
@@ -65,8 +65,9 @@ def main(command: options.Plot) -> None:
         raise OptionError(
             "name one or several folders of runs, such as runs/overhead_crane-sway-seed0"
         )
-    runs = [read_run(Path(folder)) for folder in command.runs]
     path = command.output or "results/runs.png"
+    plots.check_picture(path)
+    runs = [read_run(Path(folder)) for folder in command.runs]
     draw(runs, path)
     console().print(f"wrote {path}", soft_wrap=True)
 
