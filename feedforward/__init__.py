@@ -32,6 +32,7 @@ from .planning.sizing import Sizing
 from .planning.timing import Scaled, Shortest, scaled, shortest_duration
 from .planning.uncertainty import input_uncertainty
 from .solving.inverse import solve
+from .solving.places import places_of
 from .solving.source import source
 from .solving.stepper import Step, Stepper
 from .stability.energy import Regulator
@@ -90,6 +91,7 @@ __all__ = [
     "integrate",
     "massless",
     "over",
+    "places_of",
     "redundant",
     "residuals",
     "rest_to_rest",

@@ -37,6 +37,8 @@ class Analyse(RigOptions):
     """Also find the shortest duration in which the same path can be covered."""
     margin: float = 0.0
     """Lowest tension of any rope to allow in that duration [N]."""
+    plot: Target = ""
+    """Figure of the move to write (.png, .svg or .pdf)."""
     json: Json = False
 
 
@@ -55,6 +57,8 @@ class Solve(RigOptions):
     """CSV file to write, or - for standard output; without one only a summary is printed."""
     force: bool = False
     """Write it even if the rig cannot make the move."""
+    plot: Target = ""
+    """Figure of the move to write (.png, .svg or .pdf)."""
 
 
 @command(

@@ -22,7 +22,7 @@ from ..models.hand.catalogue import full_hand_name
 from .commands import with_plain_help
 from .look_up import assignments, is_file, is_hand, look_up, look_up_hand
 
-FOR_CRANES = ("profile", "blend", "equations", "shortest", "margin")
+FOR_CRANES = ("profile", "blend", "equations", "shortest", "margin", "plot")
 """Options that a hand has no use for."""
 
 

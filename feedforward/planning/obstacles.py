@@ -26,12 +26,11 @@ from ...models.rig.rig import Rig
 from ...models.types import Array
 from ...models.values import as_number
 from ..checks import check_point
-from ..exact.equations import redundant
 from ..exact.motion import Motion
-from ..exact.problem import equations_of
 from ..exact.state import State
 from ..paths.reference import Reference
 from ..solving.inverse import solve
+from ..solving.places import places_of
 from .feasibility import instants
 
 REFINEMENTS = 3
@@ -209,7 +208,7 @@ def _closest(
     motion: Motion, obstacles: Sequence[Obstacle], load_radius: float, ropes: bool
 ) -> Clearance:
     """The smallest distance at the samples of a motion."""
-    places = _places(motion)
+    places = places_of(motion)
     candidates = []
     for obstacle in obstacles:
         for load in motion.rig.hanging:
@@ -222,17 +221,6 @@ def _closest(
     gaps, part, name = min(candidates, key=lambda candidate: float(candidate[0].min()))
     i = int(gaps.argmin())
     return Clearance(float(gaps[i]), float(motion.times[i]), part, name)
-
-
-def _places(motion: Motion) -> dict[str, Array]:
-    """Where every anchor and mass is, (N, 3) each."""
-    rig, equations = motion.rig, equations_of(motion.rig)
-    columns = {name: motion.column(name) for name in rig.coordinate_names}
-    values = {name: motion.positions[:, i] for name, i in columns.items()}
-    rates = {name: motion.velocities[:, i] for name, i in columns.items()}
-    state, _ = redundant(equations, values, rates)
-    extended = np.column_stack((state, np.ones(len(state))))
-    return {name: extended @ rows.T for name, rows in equations.points.items()}
 
 
 def _three(name: str, point: object) -> tuple[float, float, float]:

@@ -22,6 +22,7 @@ from .crane_facts import (
     structure_facts,
 )
 from .feasible import INFEASIBLE, look_at
+from .motion_figure import check_plot, plot
 from .summary import RANGE, add_input, facts, point, range_cells, sample_times, show_verdict
 
 MOST_SAMPLES = 10_000_000
@@ -33,12 +34,14 @@ CONDITION = {False: "without friction", True: "with the described friction"}
 def show_analysis(command: options.Analyse) -> int:
     """Print the structure of the rig's equations and what the move asks of the rig."""
     rig, move = command.target()
+    check_plot(command.plot)
     analysis, reference = feedforward.analyse(rig), feedforward.from_move(move, rig)
     report = _examine(rig, analysis, reference)
     if command.json:
         show_json(_analysis_facts(command, analysis, report))
     else:
         _show_tables(command, analysis, report)
+    plot(command.plot, report, quiet=command.json)
     return refuse(INFEASIBLE, report.problems)
 
 
@@ -168,6 +171,7 @@ def _show_sizing(report: feedforward.Feasibility) -> None:
 def write_solution(command: options.Solve) -> int:
     """Solve for the inputs, print a summary, and write the CSV if the rig can make the move."""
     rig, move = command.target()
+    check_plot(command.plot)
     reference = feedforward.from_move(move, rig)
     times = sample_times(reference.duration, command.rate, MOST_SAMPLES)
     report = look_at(rig, reference, command.rate)
@@ -183,6 +187,7 @@ def write_solution(command: options.Solve) -> int:
     _show_answer(report)
     if written:
         console().print(f"wrote {command.output}: {len(motion.times)} samples", soft_wrap=True)
+    plot(command.plot, report)
     return refuse(INFEASIBLE, report.problems, force=command.force)
 
 
