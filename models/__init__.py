@@ -33,6 +33,7 @@ from .rig.fingerprint import fingerprint
 from .rig.manipulators import cable_manipulator
 from .rig.move import Move
 from .rig.navy_cranes import navy_crane_2d, navy_crane_3d
+from .rig.obstacles import Box, Sphere
 from .rig.payload import two_masses
 from .rig.rig import (
     WORLD,
@@ -76,6 +77,7 @@ __all__ = [
     "PRINTED_MOVES",
     "WORLD",
     "Anchor",
+    "Box",
     "Combination",
     "Drive",
     "Finger",
@@ -102,6 +104,7 @@ __all__ = [
     "Ropes",
     "Sheave",
     "SmoothnessError",
+    "Sphere",
     "Tip",
     "Trolley",
     "Wave",

@@ -22,7 +22,7 @@ from ..models.hand.catalogue import full_hand_name
 from .commands import with_plain_help
 from .look_up import assignments, is_file, is_hand, look_up, look_up_hand
 
-FOR_CRANES = ("profile", "blend", "equations", "shortest", "margin", "plot")
+FOR_CRANES = ("profile", "blend", "rise", "waypoints", "equations", "shortest", "margin", "plot")
 """Options that a hand has no use for."""
 
 
@@ -49,6 +49,10 @@ class RigOptions:
     """Continuous derivatives of the move."""
     blend: float | None = None
     """Duration of each blend of a three-phase move [s]."""
+    rise: tuple[float, ...] = ()
+    """Lift of the middle of the way above the straight one, a number for each output [m]."""
+    waypoints: tuple[str, ...] = ()
+    """Points on the way to the goal, each as 2,0,5: a number for each output [m]."""
     turning: Literal["rpy", "axis", "rolling", "spinning"] | None = None
     """How the orientation of a hand's object goes from start to goal."""
 
@@ -66,6 +70,9 @@ class RigOptions:
         if self.move:
             move = printed_move(rig) if self.move == "printed" else load_move(self.move)
         changes = self._changes("start", "goal", "duration", "profile", "order", "blend")
+        if self.rise or self.waypoints:  # either is in place of what the file has
+            changes["waypoints"] = tuple(map(_waypoint, self.waypoints))
+            changes["rise"] = self.rise
         if move is None:
             return rig, Move(**changes)
         if move.profile == "sampled" and {"start", "goal", "duration"} <= set(changes):
@@ -112,3 +119,13 @@ def _printed_move(hand: Hand) -> HandMove:
         known = " and ".join(HAND_CATALOGUE.printed)
         raise OptionError(f"hand {hand.name} has no printed move that it cannot make, only {known}")
     return printed
+
+
+def _waypoint(text: str) -> tuple[float, ...]:
+    """The numbers of a point on the command line."""
+    try:
+        return tuple(float(number) for number in text.split(","))
+    except ValueError:
+        raise OptionError(
+            f"--waypoints {text}: write the numbers of a point with commas, such as 2,0,5"
+        ) from None

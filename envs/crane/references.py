@@ -94,7 +94,9 @@ def default_move(rig: Rig) -> Move:
 
 
 def as_profile(move: Move) -> Move:
-    """A sampled move as a polynomial one between its ends; any other as it is."""
+    """A sampled or curved move as a straight one between its ends; any other as it is."""
+    if move.rise or move.waypoints:
+        return replace(move, rise=(), waypoints=())
     if move.profile != "sampled":
         return move
     path = feedforward.from_move(replace(move, waves=(), records=(), frame=""))

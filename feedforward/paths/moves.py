@@ -5,6 +5,7 @@ from ...models.rig.move import Move
 from ...models.rig.rig import Rig
 from ...models.values import shown
 from .base_motion import BaseMotion, recorded
+from .curves import CurvedPath, Waypoints, over
 from .deck import deck_of
 from .recordings import from_csv
 from .reference import Reference
@@ -47,7 +48,15 @@ def _still(move: Move) -> Reference:
         if move.profile == "three_phase"
         else rest_to_rest(move.start, move.goal, move.duration, move.order)
     )
-    return fixed_axis(path, move.turning) if move.turning else path
+    if move.turning:
+        return fixed_axis(path, move.turning)
+    if move.rise:
+        curve = over(move.start, move.goal, move.rise, move.duration, move.order).curve
+        return CurvedPath(curve, move.duration, path.profile)
+    if move.waypoints:
+        points = (move.start, *move.waypoints, move.goal)
+        return CurvedPath(Waypoints(points, move.order), move.duration, path.profile)
+    return path
 
 
 def _base(move: Move, rig: Rig | None, order: int) -> BaseMotion:

@@ -22,10 +22,8 @@ from itertools import pairwise
 import numpy as np
 
 from ...models.errors import PathError
+from ...models.rig.obstacles import Obstacle, check_radius
 from ...models.rig.rig import Rig
-from ...models.types import Array
-from ...models.values import as_number
-from ..checks import check_point
 from ..exact.motion import Motion
 from ..exact.state import State
 from ..paths.reference import Reference
@@ -37,94 +35,6 @@ REFINEMENTS = 3
 """The smallest distance is sought anew between the samples beside it, so many times."""
 BETWEEN = 65
 """Samples each time."""
-GOLDEN = 0.5 * (3.0 - 5.0**0.5)
-"""Where the golden section cuts, so that each cut leaves 0.618 of an interval."""
-SECTIONS = 60
-"""Golden sections of a rope span, which leave a 1e-12 of it."""
-
-
-@dataclass(frozen=True)
-class Sphere:
-    """A ball that nothing may touch.
-
-    Raises
-    ------
-    PathError
-        The centre is not three finite numbers, or the radius not >= 0.
-    """
-
-    name: str
-    centre: tuple[float, float, float]
-    """Centre (x, y, z) in the world [m]."""
-    radius: float
-    """Radius [m]."""
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "centre", _three(f"centre of {self.name}", self.centre))
-        _check_radius(f"radius of {self.name}", self.radius)
-
-    def distance(self, points: Array) -> Array:
-        """From points (..., 3) to the surface [m], negative inside; shape (...)."""
-        return np.asarray(np.linalg.norm(points - self.centre, axis=-1) - self.radius)
-
-    def segment_distance(self, begin: Array, end: Array) -> Array:
-        """Smallest distance of the segments from `begin` to `end` (N, 3), shape (N,)."""
-        along = end - begin
-        # A span may have no length: then its share of way is 0, not 0 / 0.
-        square = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
-        share = ((np.array(self.centre) - begin) * along).sum(axis=1) / square
-        return self.distance(begin + np.clip(share, 0.0, 1.0)[:, None] * along)
-
-
-@dataclass(frozen=True)
-class Box:
-    """A box along the axes that nothing may touch.
-
-    Raises
-    ------
-    PathError
-        A corner is not three finite numbers, or `low` is not below `high`.
-    """
-
-    name: str
-    low: tuple[float, float, float]
-    """The corner of the smallest coordinates [m]."""
-    high: tuple[float, float, float]
-    """The corner of the largest [m]."""
-
-    def __post_init__(self) -> None:
-        for end in ("low", "high"):
-            object.__setattr__(self, end, _three(f"{end} of {self.name}", getattr(self, end)))
-        if any(a > b for a, b in zip(self.low, self.high, strict=True)):
-            raise PathError(
-                f"low of {self.name} is {self.low}, it must not be above high, {self.high}"
-            )
-
-    def distance(self, points: Array) -> Array:
-        """From points (..., 3) to the surface [m], negative inside; shape (...)."""
-        beyond = np.maximum(np.array(self.low) - points, points - self.high)
-        outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
-        return np.asarray(outside + np.minimum(beyond.max(axis=-1), 0.0))
-
-    def segment_distance(self, begin: Array, end: Array) -> Array:
-        """Smallest distance of the segments from `begin` to `end` (N, 3), shape (N,).
-
-        The distance from a convex body is convex along a segment: golden sections find the least.
-        """
-
-        def at(share: Array) -> Array:
-            return self.distance(begin + share[:, None] * (end - begin))
-
-        left, right = np.zeros(len(begin)), np.ones(len(begin))
-        for _ in range(SECTIONS):
-            width = right - left
-            first, second = left + GOLDEN * width, right - GOLDEN * width
-            nearer = at(first) < at(second)
-            left, right = np.where(nearer, left, first), np.where(nearer, second, right)
-        return np.minimum(at(0.5 * (left + right)), np.minimum(at(left * 0.0), at(left * 0.0 + 1)))
-
-
-Obstacle = Sphere | Box
 
 
 @dataclass(frozen=True)
@@ -190,7 +100,7 @@ def clearance(
     """
     if not obstacles:
         raise PathError("there is no obstacle to keep clear of")
-    _check_radius("load_radius", load_radius)
+    check_radius("load_radius", load_radius)
     times = instants(reference.duration, rate)
     step = times[1] - times[0]
     nearest = Clearance(math.inf, 0.0, "", "")
@@ -221,22 +131,3 @@ def _closest(
     gaps, part, name = min(candidates, key=lambda candidate: float(candidate[0].min()))
     i = int(gaps.argmin())
     return Clearance(float(gaps[i]), float(motion.times[i]), part, name)
-
-
-def _three(name: str, point: object) -> tuple[float, float, float]:
-    """A point in space.
-
-    Raises
-    ------
-    PathError
-        It is something else.
-    """
-    values = check_point(name, point)
-    if len(values) != 3:
-        raise PathError(f"{name} is {values}, it must be (x, y, z)")
-    return values
-
-
-def _check_radius(name: str, radius: object) -> None:
-    if not 0 <= as_number(radius) < math.inf:
-        raise PathError(f"{name} is {radius!r}, it must be a finite number >= 0 [m]")

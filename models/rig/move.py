@@ -1,13 +1,20 @@
 """What a rig is asked to do: a rest-to-rest move, as plain data."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from ..errors import PathError, RigError, did_you_mean
 from ..values import number, sequence, shown, whole, word
+from .obstacles import Box, Sphere, check_radius
 from .sea import Record, Wave
 
 PROFILES = ("polynomial", "three_phase", "sampled")
+PARTS: dict[str, tuple[type, ...]] = {
+    "waves": (Wave,),
+    "records": (Record,),
+    "obstacles": (Sphere, Box),
+}
+"""Fields of a move that hold parts, and of which classes."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +55,16 @@ class Move:
     """Name of the frame whose motion is given on which the loads' places are given, as on a deck:
     they are those that loads would have with all such frames at 0.  In the world without it."""
 
+    rise: tuple[float, ...] = ()
+    """How far the middle of the way lies from that of the straight one, for each output: a
+    parabola over what stands in between."""
+    waypoints: tuple[tuple[float, ...], ...] = ()
+    """Values of the outputs through which a smooth curve leads from start to goal."""
+    obstacles: tuple[Sphere | Box, ...] = ()
+    """What stands around; `feedforward.clearance` says how near the move comes."""
+    load_radius: float = 0.0
+    """Radius that loads and platforms have among obstacles [m]."""
+
     def __post_init__(self) -> None:
         try:
             self._clean()
@@ -64,8 +81,11 @@ class Move:
             if self.start and not 0 <= column < len(self.start):
                 raise PathError(f"{label} is {column}, it must be 0 to {len(self.start) - 1}")
         if self.profile == "sampled":
-            if self.turning:
-                raise PathError("a sampled move's file says how it turns; leave `turning` out")
+            if self.turning or self.rise or self.waypoints:
+                raise PathError(
+                    "a sampled move's file says how it goes; leave `turning`, `rise` and "
+                    "`waypoints` out"
+                )
             if not self.samples:
                 raise PathError("a sampled move needs `samples`, the name of its CSV file")
             return
@@ -82,21 +102,44 @@ class Move:
             )
         if not self.duration > 0:
             raise PathError(f"duration is {self.duration:g} s, it must be > 0")
+        self._check_curve()
+
+    def _check_curve(self) -> None:
+        """Refuse curves that cannot be, or not with the rest of the move."""
+        if self.rise and self.waypoints:
+            raise PathError("a move has a rise or waypoints, not both")
+        if self.turning and (self.rise or self.waypoints):
+            raise PathError(
+                "a move whose platform turns about one axis is straight: no rise or waypoints"
+            )
+        for name, values in [("rise", self.rise)] + [("a waypoint", w) for w in self.waypoints]:
+            if values and len(values) != len(self.start):
+                raise PathError(
+                    f"{name} is {values}, it needs {len(self.start)} numbers, one for each output"
+                )
 
     def _clean(self) -> None:
         """Make plain numbers and names of the fields."""
         turning = tuple(whole("turning", column) for column in sequence("turning", self.turning))
         object.__setattr__(self, "turning", turning)
-        for kind, part in (("waves", Wave), ("records", Record)):
+        for kind, parts in PARTS.items():
             held = sequence(kind, getattr(self, kind))
             for item in held:
-                if not isinstance(item, part):
-                    raise RigError(f"{kind} holds {shown(item)}, it must be a {part.__name__}")
+                if not isinstance(item, parts):
+                    wanted = " or a ".join(part.__name__ for part in parts)
+                    raise RigError(f"{kind} holds {shown(item)}, it must be a {wanted}")
             object.__setattr__(self, kind, held)
-        for end in ("start", "goal"):
-            values = tuple(number(end, value) for value in sequence(end, getattr(self, end)))
-            object.__setattr__(self, end, values)
-        for name in ("duration", "blend"):
+        for end in ("start", "goal", "rise"):
+            object.__setattr__(self, end, _numbers(end, getattr(self, end)))
+        points = sequence("waypoints", self.waypoints)
+        points = tuple(_numbers("a waypoint", point) for point in points)
+        object.__setattr__(self, "waypoints", points)
+        for name in ("duration", "blend", "load_radius"):
             object.__setattr__(self, name, number(name, getattr(self, name)))
+        check_radius("load_radius", self.load_radius)
         for name in ("profile", "samples", "frame"):
             word(name, getattr(self, name))
+
+
+def _numbers(label: str, values: Any) -> tuple[float, ...]:
+    return tuple(number(label, value) for value in sequence(label, values))

@@ -32,6 +32,7 @@ from ..toml_tables import LARGEST, check_keys, entries_of, parts_of, table_of
 from ..values import shown, word
 from .catalogue import default_move, make, parameters
 from .move import Move
+from .obstacles import obstacle_of
 from .rig import (
     Anchor,
     Combination,
@@ -98,7 +99,9 @@ def load_move(path: str | Path) -> Move:
     path = file_path("the file of a move", path, PathError)
     text = read_text(path, PathError, largest=LARGEST)
     try:
-        move = _move(table_of(text, "rig", PathError).get("move"), path.parent)
+        table = table_of(text, "rig", PathError)
+        move = _move(table.get("move"), path.parent)
+        move = _among(table.get("obstacles"), move)
     except FlatrigError as error:
         raise type(error)(f"{path}: {error}") from None
     if move is None:
@@ -113,10 +116,10 @@ def loads(text: str, folder: Path = Path()) -> tuple[Rig, Move | None]:
     table = table_of(text, "rig", RigError)
     if "fingers" in table or "hand" in table:
         raise RigError("this describes a hand, which models.load_hand reads")
-    move = _move(table.pop("move", None), folder)
+    move, obstacles = _move(table.pop("move", None), folder), table.pop("obstacles", None)
     if "rig" in table:
         rig = _of_catalogue(table)
-        return rig, move or default_move(rig)
+        return rig, _among(obstacles, move or default_move(rig))
     known = (*PLAIN, *PARTS)
     for key in table:
         if key in Move.__dataclass_fields__:
@@ -132,7 +135,7 @@ def loads(text: str, folder: Path = Path()) -> tuple[Rig, Move | None]:
     for key in ("name", "outputs"):
         if key not in table:
             raise RigError(f"the entry {key!r} is missing")
-    return Rig(**parts, **table), move
+    return Rig(**parts, **table), _among(obstacles, move)
 
 
 def dumps(rig: Rig, move: Move | None = None) -> str:
@@ -167,6 +170,9 @@ def dumps(rig: Rig, move: Move | None = None) -> str:
         for kind in SEA:
             if getattr(move, kind):
                 table["move"][kind] = [_entry(part) for part in getattr(move, kind)]
+        if move.obstacles:
+            del table["move"]["obstacles"]
+            table["obstacles"] = [entries_of(part) for part in move.obstacles]
     return tomli_w.dumps(table)
 
 
@@ -251,6 +257,8 @@ def _move(entry: Any, folder: Path) -> Move | None:
         return None
     if not isinstance(entry, dict):
         raise PathError("move must be a table, [move]")
+    if "obstacles" in entry:
+        raise PathError("obstacles stand beside the move, each below a line [[obstacles]]")
     check_keys("move", Move, entry, PathError)
     values = dict(entry)
     if isinstance(values.get("samples"), str):
@@ -264,3 +272,13 @@ def _move(entry: Any, folder: Path) -> Move | None:
         replace(part, samples=str(folder / part.samples)) for part in values["records"]
     )
     return Move(**values)
+
+
+def _among(entries: Any, move: Move | None) -> Move | None:
+    """The move, with what stands around it."""
+    if entries is None:
+        return move
+    if move is None:
+        raise PathError("obstacles stand around a move, and there is none: add a [move]")
+    obstacles = parts_of("obstacles", entries, obstacle_of)
+    return replace(move, obstacles=tuple(obstacles))

@@ -21,8 +21,7 @@ from flatrig.feedforward import (
     stopped,
 )
 from flatrig.feedforward.paths.consistency import verify_reference
-from flatrig.feedforward.planning.obstacles import Sphere
-from flatrig.models import PathError
+from flatrig.models import PathError, Sphere
 
 START = np.random.default_rng(3).normal(size=(7, 2))
 PATH = rest_to_rest((0, -4), (5, -1), 3.0, order=6)

@@ -293,7 +293,7 @@ def test_wrong_moves_are_one_clear_line(tmp_path):
         ("start = [0]\ngoal = [5, -1]\nduration = 1", "start has 1 values and goal 2"),
         ('start = [0]\ngoal = [5]\nduration = 1\nprofile = "bang"', "there is no profile 'bang'"),
         ('profile = "sampled"', "needs `samples`"),
-        ('profile = "sampled"\nsamples = "a.csv"\nturning = [0, 1, 2]', "leave `turning` out"),
+        ('profile = "sampled"\nsamples = "a.csv"\nturning = [0, 1, 2]', "leave `turning`, `rise`"),
         (f"{THREE}turning = [0, 1, 1]", "turning is (0, 1, 1), it must be three columns of 0 to 2"),
         (f"{THREE}turning = [0, 1]", "it must be three columns of 0 to 2"),
         (f"{THREE}turning = [0, 1, 1.5]", "turning is 1.5, it must be a whole number"),

@@ -21,7 +21,7 @@ from .crane_facts import (
     shortest_facts,
     structure_facts,
 )
-from .feasible import INFEASIBLE, look_at
+from .feasible import INFEASIBLE, look_at, nearest
 from .motion_figure import check_plot, plot
 from .summary import RANGE, add_input, facts, point, range_cells, sample_times, show_verdict
 
@@ -36,21 +36,27 @@ def show_analysis(command: options.Analyse) -> int:
     rig, move = command.target()
     check_plot(command.plot)
     analysis, reference = feedforward.analyse(rig), feedforward.from_move(move, rig)
-    report = _examine(rig, analysis, reference)
+    near = nearest(rig, move, reference)
+    report = _examine(rig, analysis, reference, near)
     if command.json:
-        show_json(_analysis_facts(command, analysis, report))
+        show_json(_analysis_facts(command, analysis, report) | {"clearance": near})
     else:
         _show_tables(command, analysis, report)
-    plot(command.plot, report, quiet=command.json)
+        if near is not None and near.clear:
+            console().print(f"closest to what stands around: {near}", soft_wrap=True)
+    plot(command.plot, report, move.obstacles, quiet=command.json)
     return refuse(INFEASIBLE, report.problems)
 
 
 def _examine(
-    rig: Rig, analysis: feedforward.Analysis, reference: feedforward.Reference
+    rig: Rig,
+    analysis: feedforward.Analysis,
+    reference: feedforward.Reference,
+    near: feedforward.Clearance | None,
 ) -> feedforward.Feasibility:
     """What is wrong with a move, which of a rig that is not flat is this."""
     try:
-        return look_at(rig, reference)
+        return look_at(rig, reference, near=near)
     except RigError as error:
         if analysis.flat:
             raise
@@ -174,7 +180,8 @@ def write_solution(command: options.Solve) -> int:
     check_plot(command.plot)
     reference = feedforward.from_move(move, rig)
     times = sample_times(reference.duration, command.rate, MOST_SAMPLES)
-    report = look_at(rig, reference, command.rate)
+    near = nearest(rig, move, reference)
+    report = look_at(rig, reference, command.rate, near=near)
     hold = 1.0 / command.rate if command.hold else 0.0
     try:
         motion = feedforward.solve(rig, reference, times, hold=hold)
@@ -187,7 +194,7 @@ def write_solution(command: options.Solve) -> int:
     _show_answer(report)
     if written:
         console().print(f"wrote {command.output}: {len(motion.times)} samples", soft_wrap=True)
-    plot(command.plot, report)
+    plot(command.plot, report, move.obstacles)
     return refuse(INFEASIBLE, report.problems, force=command.force)
 
 

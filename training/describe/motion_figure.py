@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ... import feedforward
+from ...models.rig.obstacles import Obstacle, Sphere
 from ...models.types import Array
 from .. import plots
 from ..console import console
@@ -30,7 +31,13 @@ def check_plot(path: str) -> None:
         plots.check_picture(path)
 
 
-def plot(path: str, report: feedforward.Feasibility, *, quiet: bool = False) -> None:
+def plot(
+    path: str,
+    report: feedforward.Feasibility,
+    obstacles: Sequence[Obstacle] = (),
+    *,
+    quiet: bool = False,
+) -> None:
     """Write the figure of a move, if one is asked for and the move has a solution.
 
     Raises
@@ -43,11 +50,11 @@ def plot(path: str, report: feedforward.Feasibility, *, quiet: bool = False) -> 
     duration = report.reference.duration
     verdict = "feasible" if report.feasible else f"not feasible: {report.problems[0]}"
     title = f"{report.rig.name}, {duration:.4g} s, {verdict}"
-    plots.save(draw(report, title), path)
+    plots.save(draw(report, title, obstacles), path)
     console(stderr=quiet).print(f"wrote {path}", soft_wrap=True)
 
 
-def draw(report: feedforward.Feasibility, title: str) -> Any:
+def draw(report: feedforward.Feasibility, title: str, obstacles: Sequence[Obstacle] = ()) -> Any:
     """The figure of a move that can be solved, feasible or not.
 
     Parameters
@@ -56,6 +63,8 @@ def draw(report: feedforward.Feasibility, title: str) -> Any:
         With its motion.
     title
         What stands above it.
+    obstacles
+        What stands around, drawn in the views.
     """
     motion = report.motion
     if motion is None:
@@ -65,8 +74,10 @@ def draw(report: feedforward.Feasibility, title: str) -> Any:
     (side, second, tensions), (inputs, speeds, lengths) = panels
     places = feedforward.places_of(motion)
     _view(side, motion, places, 2, "side view [m]")
+    _stand(side, obstacles, 2)
     if motion.rig.dimensions == 3:
         _view(second, motion, places, 1, "top view [m]")
+        _stand(second, obstacles, 1)
     else:
         _over_time(second, motion, "outputs [m], [rad]", _named(motion.rig.outputs, motion.outputs))
     pulls, unit = _scaled(motion.tensions, "N")
@@ -113,6 +124,22 @@ def _view(
     plots.title(axes, words)
     axes.set(xlabel="x", ylabel="xyz"[across])
     _legend(axes, [body.name for body in rig.hanging])
+
+
+def _stand(axes: Any, obstacles: Sequence[Obstacle], across: int) -> None:
+    """The outlines of obstacles, with their names."""
+    from matplotlib.patches import Circle, Rectangle
+
+    look = {"facecolor": "#d55e00", "alpha": 0.25, "edgecolor": "#d55e00", "zorder": 0}
+    for thing in obstacles:
+        if isinstance(thing, Sphere):
+            middle = (thing.centre[0], thing.centre[across])
+            axes.add_patch(Circle(middle, thing.radius, **look))
+        else:
+            low, high = (np.array(end)[[0, across]] for end in (thing.low, thing.high))
+            middle = tuple(0.5 * (low + high))
+            axes.add_patch(Rectangle(tuple(low), *(high - low), **look))
+        axes.annotate(thing.name, middle, ha="center", va="center", fontsize=7)
 
 
 def _over_time(
