@@ -130,7 +130,12 @@ def _stand(axes: Any, obstacles: Sequence[Obstacle], across: int) -> None:
     """The outlines of obstacles, with their names."""
     from matplotlib.patches import Circle, Rectangle
 
-    look = {"facecolor": "#d55e00", "alpha": 0.25, "edgecolor": "#d55e00", "zorder": 0}
+    look: dict[str, Any] = {
+        "facecolor": "#d55e00",
+        "alpha": 0.25,
+        "edgecolor": "#d55e00",
+        "zorder": 0,
+    }
     for thing in obstacles:
         if isinstance(thing, Sphere):
             middle = (thing.centre[0], thing.centre[across])
