@@ -15,6 +15,7 @@ import pytest
 
 from flatrig import envs
 from flatrig.models import Hand, HandMove, Move, Rig
+from flatrig.models.rig.obstacles import OBSTACLES
 from flatrig.models.rig.toml import PARTS, SEA
 from flatrig.training.describe import documented, environment_page, toml_page
 
@@ -105,9 +106,9 @@ def test_options_of_environments_are_all_told() -> None:
 
 def test_the_page_of_toml_has_every_field() -> None:
     text = toml_page.toml_page()
-    for kind in (Rig, *PARTS.values(), *SEA.values(), Move, Hand, HandMove):
+    for kind in (Rig, *PARTS.values(), *SEA.values(), *OBSTACLES, Move, Hand, HandMove):
         names = {item.name for item in fields(kind)}
-        names -= {*PARTS, *SEA, "masses", "held", "fingers", "surface"}
+        names -= {*PARTS, *SEA, "obstacles", "masses", "held", "fingers", "surface"}
         assert [name for name in names if f"| `{name}` |" not in text] == []
     assert "<class" not in text
     assert "typing." not in text

@@ -101,7 +101,7 @@ class Box:
 
 
 Obstacle = Sphere | Box
-KINDS: tuple[type[Obstacle], ...] = (Sphere, Box)
+OBSTACLES: tuple[type[Obstacle], ...] = (Sphere, Box)
 
 
 def obstacle_of(entry: Mapping[str, Any]) -> Obstacle:

@@ -12,6 +12,7 @@ from ...models.friction import Friction
 from ...models.hand.hand import Finger, Hand, HeldObject, Plate, Tip
 from ...models.hand.move import HandMove
 from ...models.rig.move import Move
+from ...models.rig.obstacles import OBSTACLES
 from ...models.rig.rig import Rig, Sheave
 from ...models.rig.toml import PARTS, PLAIN, SEA
 from .documented import code, field_texts, table
@@ -38,6 +39,7 @@ goal = [5.0, -1.0]
 duration = 3.0
 ```
 """
+STANDS = "What stands around: beside the move, as it is there for each.\n"
 HAND = """\
 What holds an object between fingers that roll on it. Instead of parts it may name a hand of the
 catalogue, `hand = "two_finger_hand"`, with the parameters of its function.
@@ -55,9 +57,12 @@ def toml_page() -> str:
             parts += ["## `[[ropes.sheaves]]`\n", _summary(Sheave), _rows(Sheave)]
     rubs = "What rubs has `friction = {coulomb = 2.0, viscous = 80.0}`.\n"
     parts += ["## `friction`\n", rubs, _rows(Friction, ("coulomb", "viscous"))]
-    parts += ["## `[move]`\n", _summary(Move), _rows(Move)]
+    parts += ["## `[move]`\n", _summary(Move), _rows(Move, but=("obstacles",))]
     for name, kind in SEA.items():
         parts += [f"## `[[move.{name}]]`\n", _summary(kind), _rows(kind)]
+    parts += ["## `[[obstacles]]`\n", STANDS]
+    for kind in OBSTACLES:
+        parts += [_summary(kind), _rows(kind)]
     parts += ["## A hand\n", HAND, _rows(Hand, but=("held", "fingers"))]
     parts += ["## `[held]`\n", _summary(HeldObject), _rows(HeldObject)]
     parts += ["## `[[fingers]]`\n", _summary(Finger), ENDS, _rows(Finger, but=("surface",))]
