@@ -27,8 +27,8 @@ from .paths.reference import Reference
 from .paths.straight import hold, rest_to_rest, three_phase
 from .paths.waves import at_sea, base_at
 from .planning.bisector import Beside, Bisected, beside, bisected, massless
-from .planning.feasibility import Feasibility, check
 from .planning.clearance import Clearance, clearance
+from .planning.feasibility import Feasibility, check
 from .planning.sizing import Sizing
 from .planning.timing import Scaled, Shortest, scaled, shortest_duration
 from .planning.uncertainty import input_uncertainty
