@@ -10,7 +10,7 @@ from tyro.conf import Positional, arg
 
 from .commands import COMMANDS as COMMANDS  # filled below
 from .commands import command
-from .option_values import Json, On, Output
+from .option_values import Json, On, Output, Target
 from .option_values import check_number as check_number
 from .rig_options import RigOptions
 
