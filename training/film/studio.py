@@ -5,11 +5,11 @@ from itertools import product
 import mujoco
 import numpy as np
 
-from ...feedforward.planning.obstacles import Box, Obstacle
 from ...models.looks import marks
 from ...models.looks.render import renderer
 from ...models.looks.setting import FIELD_OF_VIEW
 from ...models.looks.views import Pose, Views, axes_of, carried_geoms
+from ...models.rig.obstacles import Box, Obstacle
 from ...models.types import Array
 from .captions import Pixels
 from .takes import Shot

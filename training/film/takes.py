@@ -15,13 +15,13 @@ from rich.progress import track
 from ...envs import CraneEnv, HandEnv, HandScenario, Scenario
 from ...envs.crane.payloads import payload_bodies
 from ...feedforward import Reference, from_move, solve
-from ...feedforward.planning.obstacles import Obstacle
 from ...feedforward.rolling import HandPlan, plan_hand
 from ...models import Hand, HandMove, Move, Rig
 from ...models.mjcf import hand_state, rig_model
 from ...models.mjcf.hand_model import RECOMMENDED, compile_hand
 from ...models.mjcf.rig_state import joint_state
 from ...models.rig.idealised import with_ideal_gears
+from ...models.rig.obstacles import Obstacle
 from ...models.types import Array
 from ..compare.chosen import Choice
 from ..compare.crane_runner import TIMESTEP
@@ -141,6 +141,7 @@ def crane_shot(
         arrival=reference.duration,
         falls=falls,
         walked=not any(frame.given for frame in rig.frames),
+        obstacles=move.obstacles,
     )
 
 
