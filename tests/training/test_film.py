@@ -234,7 +234,7 @@ def test_controllers_are_named_as_in_comparisons():
     for text, said in (
         ("ff+pdd", "did you mean ff\\+pd"),
         ("pd,PD, moving", "twice"),
-        ("residual,encoders", "no policy is shipped for rotary_crane"),
+        ("residual,full", "no policy is shipped for rotary_crane"),
     ):
         with pytest.raises(OptionError, match=said):
             chosen(text, "crane", rig)
