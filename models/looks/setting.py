@@ -31,6 +31,9 @@ COLOURS: dict[str, tuple[float, float, float]] = {
 
 ROPES = ("rope", "red rope", "green rope")
 
+LARGEST = 1920, 1080
+"""Width and height of a picture at most [pixels]."""
+
 FIELD_OF_VIEW = 35.0
 """Vertical field of view of both cameras [degrees]."""
 
@@ -185,7 +188,7 @@ def prepare(scene: mujoco.MjSpec, size: Sizes) -> None:
 
 def picture(scene: mujoco.MjSpec, size: Sizes) -> None:
     """Size of pictures, shadows, ambient light and sky."""
-    scene.visual.global_.offwidth, scene.visual.global_.offheight = 1920, 1080
+    scene.visual.global_.offwidth, scene.visual.global_.offheight = LARGEST
     scene.visual.quality.shadowsize = 4096
     scene.visual.map.shadowclip = 3  # wide enough for no stray shadow on the floor
     scene.visual.headlight.ambient = [0.35, 0.35, 0.35]

@@ -1,6 +1,7 @@
 """`flatrig render`: what is in pictures, where cameras stand, what files hold."""
 
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 
 import mujoco
@@ -34,6 +35,7 @@ def drawing():
         pytest.skip(str(error))
 
 
+@cache
 def planned(name, count=5):
     """A rig's model with looks, and its joints along its own move."""
     rig = models.make(name)
@@ -211,6 +213,8 @@ def test_a_film_lasts_as_long_as_its_speed_says():
         film = Film(shot, Look(fps=fps, speed=speed))
         assert film.count == count
         assert film.times[-1] == pytest.approx(2.0)
+    with pytest.raises(OptionError, match="200001 pictures, it may have 50000"):
+        Film(shot, Look(fps=1e5))
 
 
 def test_a_hopeless_controller_does_not_hide_how_good_others_are():
@@ -319,6 +323,7 @@ WRONG = {
     "controller": (["--controller", "residuel"], "did you mean residual"),
     "scenario": (["--scenario", "lode_mass=1"], "did you mean load_mass"),
     "policy": (["--controller", "residual", "--policy", "nix.json"], "cannot read policy nix.json"),
+    "size": (["--height", "20"], "64 to 1920 and 64 to 1080 pixels"),
     "ending": (["-o", "film.avi"], ".gif, .mp4 or .png"),
 }
 

@@ -13,6 +13,7 @@ from ...envs import HandScenario, Scenario
 from ...models.errors import OptionError, PathError
 from ...models.files import STANDARD_OUTPUT, replacing
 from ...models.looks import render
+from ...models.looks.setting import LARGEST
 from ...models.looks.views import check_camera
 from .. import options
 from ..compare.chosen import chosen, scenario_of
@@ -24,6 +25,8 @@ from .takes import Shot, crane_shot, hand_shot
 
 BY_DEFAULT = "ff+pd"
 """What drives disturbed plants if nothing is named."""
+LEAST = 64
+"""Width and height of pictures with captions and bars at least [pixels]."""
 ENDINGS = (".gif", ".mp4", ".png")
 
 
@@ -76,6 +79,13 @@ def _check(command: options.Render) -> str:
     """
     for name in ("width", "height", "fps", "speed"):
         options.check_number(f"--{name}", getattr(command, name))
+    least = 1 if command.plain else LEAST
+    width, height = LARGEST
+    if not (least <= command.width <= width and least <= command.height <= height):
+        raise OptionError(
+            f"--width and --height are {command.width} and {command.height}, they must be "
+            f"{least} to {width} and {least} to {height} pixels"
+        )
     check_camera(command.camera)
     path = command.output or f"results/{command.label()}.gif"
     if path != STANDARD_OUTPUT and not path.lower().endswith(ENDINGS):

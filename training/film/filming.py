@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from ...models.errors import OptionError
 from ...models.looks.views import Pose
 from ...models.types import Array
 from .captions import MOST_ROWS, Bar, Pixels, Sheet, grid_of, in_units, largest, round_length
@@ -20,6 +21,8 @@ LEAST = {"m": 1e-4, "deg": 0.1}
 """What a whole bar stands for at least, by unit."""
 RULER = 0.2
 """Longest bar that shows a length, over the width of a picture."""
+MOST = 50_000
+"""Pictures of a film."""
 STILLS = 3
 """Pictures of a strip, from start to arrival."""
 POINTS = 120
@@ -51,13 +54,17 @@ class Film:
     ModelError
         Nothing here can draw.
     OptionError
-        There is no such camera, or pictures are too large.
+        There is no such camera, or pictures are too large or too many.
     """
 
     def __init__(self, shot: Shot, look: Look, still: bool = False) -> None:
         self.shot, self.look = shot, look
         step = shot.arrival / (STILLS - 1) if still else look.speed / look.fps
         count = STILLS if still else int(shot.duration / step + 1e-9) + 1
+        if count > MOST:
+            raise OptionError(
+                f"the film would have {count} pictures, it may have {MOST}; lower --fps"
+            )
         self.times: Array = np.asarray(step * np.arange(count), dtype=np.float64)
         """Instants of the pictures [s]."""
         self._planned = shot.reference(self.times)
