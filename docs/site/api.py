@@ -35,11 +35,22 @@ MODULES = {
         "episode_set",
         "scenarios_for",
     ),
-    "flatrig.training.learned": ("LearnedResidual", "base_controller"),
+    "flatrig.training.jobs": (
+        "Backend",
+        "BackendError",
+        "JobError",
+        "Jobs",
+        "Processes",
+        "Result",
+        "backend_for",
+        "record",
+    ),
+    "flatrig.training.learned": ("LearnedResidual", "base_controller", "features_of"),
     "flatrig.training.plots": ("figure",),
     "flatrig.training.policy": ("Card", "Policy", "shipped"),
     "flatrig.training.policy_graph": ("graph_of", "memory_of"),
     "flatrig.training.reproduce.entry": ("Sheet", "entry"),
+    "flatrig.training.simulate.open_loop": ("open_loop",),
     "flatrig.training.tables": ("table",),
 }
 """Public names that no package lists."""

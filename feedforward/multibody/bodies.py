@@ -21,6 +21,7 @@ import numpy as np
 Vector = tuple[float, ...]
 
 GROUND = "ground"
+"""Name of what does not move."""
 
 
 @dataclass(frozen=True)
