@@ -231,7 +231,7 @@ def test_a_hopeless_controller_does_not_hide_how_good_others_are():
 
 
 def test_controllers_are_named_as_in_comparisons():
-    rig = models.make("rotary")
+    rig = models.make("navy-2d")
     named = chosen("PD, set point,ff, lqr,residual,Swing Damping, full", "crane", rig)
     assert [choice.entry.name for choice in named] == [
         "PD, set point", "feedforward", "LQR, sway", "residual, sway", "swing damping, full",
@@ -239,7 +239,7 @@ def test_controllers_are_named_as_in_comparisons():
     for text, said in (
         ("ff+pdd", "did you mean ff\\+pd"),
         ("pd,PD, moving", "twice"),
-        ("residual,full", "no policy is shipped for rotary_crane"),
+        ("residual,encoders", "no policy is shipped for navy_crane_2d"),
     ):
         with pytest.raises(OptionError, match=said):
             chosen(text, "crane", rig)
