@@ -66,12 +66,14 @@ def overview() -> int:
     """Print what commands there are, by groups."""
     out = console()
     out.print(f"usage: flatrig COMMAND [OPTIONS]\n\n{DESCRIPTION}")
-    rows = Table.grid(padding=(0, 2))
+    widest = max(map(len, names()))
     for group, members in itertools.groupby(names().items(), lambda item: COMMANDS[item[1]].group):
-        rows.add_row(f"\n{group}")
+        rows = Table.grid(padding=(0, 2))
         for name, options in members:
-            rows.add_row(f"  {name}", (options.__doc__ or "").partition("\n")[0])
-    out.print(rows)
+            said = (options.__doc__ or "").partition("\n")[0]
+            rows.add_row(f"  {name.ljust(widest)}", said)
+        out.print(f"\n{group}")
+        out.print(rows)
     out.print("\nflatrig COMMAND --help tells the options of a command, flatrig --version which")
     out.print("version this is; --quiet beside any command leaves out all but what is asked for.")
     return DONE

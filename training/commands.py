@@ -15,6 +15,7 @@ tells them apart:
 """
 
 import importlib
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar, dataclass_transform
@@ -41,7 +42,7 @@ class Command:
     every: str = ""
     """The same about "all"; "" if the command is about one."""
     group: str = ""
-    """Heading below which help lists it."""
+    """Heading below which help lists it, `GROUP` of the file it stands in."""
 
     def __call__(self, options: Any) -> int:
         """Run the command; returns the exit status.
@@ -67,12 +68,13 @@ COMMANDS: dict[type, Command] = {}
 
 @dataclass_transform(frozen_default=True)
 def command(
-    main: str = "", *, crane: str = "", hand: str = "", every: str = "", group: str = ""
+    main: str = "", *, crane: str = "", hand: str = "", every: str = ""
 ) -> Callable[[type[T]], type[T]]:
     """Make a class of options a frozen dataclass and a command; parameters are as of `Command`."""
 
     def register(options: type[T]) -> type[T]:
         options = dataclass(frozen=True)(with_plain_help(options))
+        group = getattr(sys.modules[options.__module__], "GROUP", "")
         COMMANDS[options] = Command(main, crane, hand, every, group)
         return options
 
