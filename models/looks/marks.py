@@ -46,13 +46,28 @@ def rod(scene: Any, begin: ArrayLike, end: ArrayLike, radius: float, colour: Col
 
 
 def line(scene: Any, points: Array, radius: float, colour: Colour) -> None:
-    """A line through points (n, 3); those that are nearer to each other than its radius, once."""
-    kept = [points[0]]
-    for point in points[1:]:
-        if np.linalg.norm(point - kept[-1]) > radius:
-            kept.append(point)
-    for begin, end in pairwise(kept):
+    """A line through points (n, 3), with as few rods as lie within half its radius of them."""
+    for begin, end in pairwise(points[corners(points, 0.5 * radius)]):
         rod(scene, begin, end, radius, colour)
+
+
+def corners(points: Array, tolerance: float) -> list[int]:
+    """Which points of a line (n, 3) show all of it to a tolerance (Douglas and Peucker's rule)."""
+    if len(points) < 2 or np.ptp(points, axis=0).max() <= tolerance:
+        return []
+    kept, open_ = [0], [(0, len(points) - 1)]
+    while open_:
+        first, last = open_.pop()
+        inner, chord = points[first:last] - points[first], points[last] - points[first]
+        square = max(float(chord @ chord), np.finfo(float).tiny)
+        share = np.clip(inner @ chord / square, 0.0, 1.0)
+        away = np.linalg.norm(inner - share[:, None] * chord, axis=1)
+        worst = int(away.argmax())
+        if away[worst] > tolerance:
+            open_ += [(first + worst, last), (first, first + worst)]
+        else:
+            kept.append(last)
+    return kept
 
 
 def ball(scene: Any, centre: ArrayLike, radius: float, colour: Colour) -> None:

@@ -149,7 +149,8 @@ class Views:
         """Points that span all that is drawn, (points, 3) [m]."""
         own = _corners(model, self._states[0], self._own)
         radius = 0.5 * float(np.linalg.norm(np.ptp(own, axis=0)))
-        self._near = max(NEAR * radius, ROOM * away)
+        whole = 0.5 * float(np.ptp(self.cloud, axis=0).max())
+        self._near = min(max(NEAR * radius, ROOM * away), whole)
 
     def view(self, name: str) -> View:
         """The camera of a name.

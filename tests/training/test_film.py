@@ -170,6 +170,21 @@ def test_falls_are_as_many_ropes_side_by_side():
         assert len({tuple(g.size) for g in same}) == 1
 
 
+def test_few_rods_show_a_line():
+    straight = np.linspace([0.0, 0.0, 0.0], [3.0, 1.0, 2.0], 50)
+    assert marks.corners(straight, 1e-6) == [0, 49]
+    angles = np.linspace(0, np.pi, 200)
+    arc = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
+    kept = marks.corners(arc, 1e-3)
+    assert kept == sorted(kept)
+    assert (kept[0], kept[-1]) == (0, 199)
+    # an arc is 1 - cos(half its angle) off its chord, at most
+    widest = max(b - a for a, b in pairwise(kept)) * np.pi / 199
+    assert 1 - np.cos(0.5 * widest) <= 1e-3
+    assert len(kept) <= 2 * (np.pi / (2 * np.arccos(1 - 1e-3)) + 1)  # halves at worst
+    assert marks.corners(np.zeros((9, 3)), 1e-3) == []
+
+
 def test_somebody_is_as_tall_as_people_are():
     model = models.compile(models.overhead_crane())
     scene = mujoco.MjvScene(model, 100)
