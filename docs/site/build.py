@@ -58,7 +58,7 @@ def main(folder: Path = ROOT / "build" / "docs") -> int:
     api.write(reference / "api")
     (reference / "toml.md").write_text(toml_page(), encoding="utf-8")
     write_environments(reference / "environments")
-    options = ["-b", "html", "-n", "-W", "--keep-going", "-q", "-c", str(SITE)]
+    options = ["-b", "html", "-n", "-W", "--keep-going", "-q", "-j", "auto", "-c", str(SITE)]
     status = sphinx([*options, "-d", str(folder / "doctrees"), str(source), str(html)])
     first = '<meta http-equiv="refresh" content="0; url=docs/index.html">'
     (html / "index.html").write_text(f"<!doctype html>\n{first}\n", encoding="utf-8")

@@ -219,8 +219,9 @@ def _ends(env: Any) -> Iterator[str]:
     reasons = [reason for reason in env.reasons if reason]
     rows = []
     for i, reason in enumerate(reasons, start=1):
-        low, _, high = reason.partition(" above ")
-        rows.append((i, code(reason), ENDS.get(reason) or f"the {low} has risen above its {high}"))
+        low, above, high = reason.partition(" above ")
+        risen = f"the {low} has risen above its {high}"
+        rows.append((i, code(reason), risen if above else ENDS[reason]))
     yield table(('`info["reason"]`', "", "when"), rows)
 
 
