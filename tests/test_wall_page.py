@@ -50,7 +50,7 @@ def test_how_near_a_way_comes_is_as_by_hand(capsys):
     wall, tank = MOVE.obstacles
     outside = np.maximum(np.maximum(wall.low - way, way - wall.high), 0.0)
     by_hand = np.linalg.norm(outside, axis=1).min() - MOVE.load_radius
-    assert near["distance"] == pytest.approx(by_hand, abs=1e-6)
+    assert near["distance_m"] == pytest.approx(by_hand, abs=1e-6)
     assert near["obstacle"] == "wall"
     assert isinstance(tank, Sphere)
 

@@ -276,6 +276,18 @@ def test_help_tells_no_default_that_tells_nothing(capsys: pytest.CaptureFixture[
     assert not {"", "''", "None", "False"} & set(told)
 
 
+def test_an_output_is_a_file_if_it_ends_as_one_and_else_a_folder(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert main(["solve", "overhead", "--rate", "10", "-o", str(tmp_path / "tables")]) == 0
+    assert [path.name for path in (tmp_path / "tables").iterdir()] == ["overhead_crane.csv"]
+    for words in (["compare", "overhead"], ["stress"], ["train", "overhead"], ["scenes"]):
+        assert "several files are written, name a folder" in refuse(
+            capsys, *words, "-o", str(tmp_path / "all.csv")
+        )
+    assert not (tmp_path / "all.csv").exists()
+
+
 GREET = """
 def crane(options):
     print(f"{options.times} x {options.target()[0].name}")

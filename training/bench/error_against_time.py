@@ -25,6 +25,7 @@ from ...models.files import make_folder
 from .. import options
 from ..console import console
 from ..jobs import Backend, Jobs, backend_for, record
+from ..option_values import output_folder
 from ..tables import write_csv
 from . import trial_figures, trial_roads, trial_tables
 from .peers import PEERS
@@ -45,7 +46,7 @@ def main(command: options.Bench) -> None:
     for name in absent(chosen):
         out.print(f"{name} is not installed (pip install 'flatrig[peers]'), it is left out")
     chosen = [unit for unit in chosen if unit.name not in BY_NAME or BY_NAME[unit.name].present]
-    folder = Path(command.output or FOLDER)
+    folder = Path("") if picture else output_folder(command.output, FOLDER)
     backend = backend_for(command.on, command.processes, folder.parent if picture else folder)
     if not picture:
         make_folder(folder)

@@ -19,6 +19,7 @@ from .. import options
 from ..as_json import show_json
 from ..console import console
 from ..jobs import Backend, Jobs, backend_for
+from ..option_values import output_folder
 from . import cranebench_report as report
 from .cranebench_runs import CAMPAIGNS, ENTRANTS, Run, Unit
 
@@ -40,7 +41,7 @@ def main(command: options.Bench) -> None:
     options.check_number("--processes", command.processes)
     if importlib.util.find_spec("cranebench") is None:
         raise OptionError("cranebench is not installed; pip install 'flatrig[peers]'")
-    folder = Path(command.output or FOLDER)
+    folder = output_folder(command.output, FOLDER)
     backend = backend_for(command.on, command.processes, folder)
     make_folder(folder)
     runs = measure(command.samples, folder, command.resume, backend)

@@ -24,6 +24,7 @@ from ...models.mjcf.hand_model import MUJOCO_DEFAULTS, RECOMMENDED, ContactSetti
 from .. import options
 from ..console import console, verdict, warning
 from ..exits import DONE, refuse
+from ..option_values import output_file
 from ..simulate.hand_runs import HandRun, Track, run_track
 from ..tables import table
 
@@ -97,7 +98,7 @@ class Case:
 def main(command: options.Hands) -> int:
     """Print the three tables, or film one hand; the status says whether all goals are reached."""
     if command.output:
-        film(command.name, command.output)
+        film(command.name, output_file(command.output, f"{command.name}.gif"))
         return DONE
     names = [full_hand_name(command.name)] if command.name else list(HAND_CATALOGUE)
     cases, out, missed = [Case.of(name) for name in names], console(), Missed()

@@ -27,6 +27,7 @@ from ..as_json import json_text, plain, show_json
 from ..console import console, warning
 from ..exits import DONE, NO
 from ..jobs import Jobs, backend_for
+from ..option_values import output_folder
 from ..policy import shipped
 from ..rig_options import RigOptions
 from ..tables import write_csv
@@ -63,7 +64,7 @@ class Trial:
 def main(command: options.Compare) -> int:
     """Compare all, print one table, write files and the page; 1 if one could not be compared."""
     check(command)
-    folder, out = Path(command.output or FOLDER), console()
+    folder, out = output_folder(command.output, FOLDER), console()
     backend = backend_for(command.on, command.processes, folder, begin=quiet)
     make_folder(folder)
     trials = [

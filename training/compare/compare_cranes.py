@@ -19,6 +19,7 @@ from .. import options
 from ..describe.feasible import INFEASIBLE, problems_of
 from ..exits import DONE, refuse
 from ..learned import check
+from ..option_values import output_folder
 from ..policy import Policy, shipped
 from .check_options import check_one, how_of
 from .contenders import SENSORS, Contender
@@ -67,7 +68,7 @@ def main(command: options.Compare) -> int:
     rig, move = command.target()
     check_one(command)
     sets_of(command.sets)
-    folder = Path(command.output or f"results/compare-{command.label()}")
+    folder = output_folder(command.output, f"results/compare-{command.label()}")
     how = how_of(command, folder)
     policies = policies_for(rig, command.policy)
     if status := refuse(INFEASIBLE, problems_of(rig, move)):

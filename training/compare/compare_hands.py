@@ -11,7 +11,6 @@ last second of the run, or longer.  An object that is lost stays where it was.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from pathlib import Path
 
 import numpy as np
 from rich.text import Text
@@ -28,6 +27,7 @@ from ..console import warning
 from ..describe.feasible import INFEASIBLE
 from ..exits import DONE, refuse
 from ..learned import check
+from ..option_values import output_folder
 from ..policy import Policy, shipped
 from .check_options import check_one, how_of
 from .contenders import EVALUATION_SEED, Contender
@@ -97,7 +97,7 @@ def main(command: options.Compare) -> int:
     scenarios = hand_design(disturbances, command.scenarios, EVALUATION_SEED)
     if command.nominal:
         scenarios = [HandScenario()]
-    folder = Path(command.output or f"results/compare-{hand.name}")
+    folder = output_folder(command.output, f"results/compare-{hand.name}")
     how = how_of(command, folder)
     try:
         HandVectorEnv(hand, num_envs=1, reference=move)

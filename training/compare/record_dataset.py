@@ -27,7 +27,7 @@ from .. import options
 from ..console import console
 from ..describe.feasible import INFEASIBLE, problems_of
 from ..exits import DONE, refuse
-from ..option_values import check_number
+from ..option_values import check_number, output_folder
 from ..policy import Policy
 from .chosen import named, policy_for
 from .contenders import Contender, Plant
@@ -81,6 +81,7 @@ def _main(command: options.Dataset, kind: Plant, plant: Rig | Hand, move: Move |
     entry = named(command.controller, kind)
     slug = re.sub(r"[^a-z0-9]+", "-", entry.name.lower())
     name = command.name or f"{plant.name}/{slug}-v0"
+    output_folder(command.output, "")  # datasets are folders
     with datasets_in(command.output), unwinding():
         place = _place(name, command.replace)
         policy = _policy(command, entry, plant)

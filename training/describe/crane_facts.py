@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Any
 
-from ...feedforward import Analysis, Feasibility, Reference, Shortest, driven_unit
+from ...feedforward import Analysis, Clearance, Feasibility, Reference, Shortest, driven_unit
 from ...models import Move, Rig
 from ...models.types import Array
 
@@ -131,3 +131,11 @@ def shortest_facts(best: Shortest | None) -> dict[str, Any] | None:
     if best is None:
         return None
     return {"duration_s": best.duration, "limited_by": best.limited_by, "limited_at_s": best.when}
+
+
+def clearance_facts(near: Clearance | None) -> dict[str, Any]:
+    """How near a move comes to what stands around, if anything does."""
+    if near is None:
+        return {}
+    facts = {"part": near.part, "obstacle": near.obstacle}
+    return {"clearance": {"distance_m": near.distance, "at_s": near.time, **facts}}

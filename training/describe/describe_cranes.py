@@ -13,8 +13,10 @@ from .. import options
 from ..as_json import show_json
 from ..console import console, warning
 from ..exits import refuse
+from ..option_values import output_file
 from ..tables import table
 from .crane_facts import (
+    clearance_facts,
     feasibility_facts,
     move_facts,
     offset_facts,
@@ -39,7 +41,7 @@ def show_analysis(command: options.Analyse) -> int:
     near = nearest(rig, move, reference)
     report = _examine(rig, analysis, reference, near)
     if command.json:
-        show_json(_analysis_facts(command, analysis, report) | {"clearance": near})
+        show_json(_analysis_facts(command, analysis, report) | clearance_facts(near))
     else:
         _show_tables(command, analysis, report)
         if near is not None and near.clear:
@@ -187,13 +189,14 @@ def write_solution(command: options.Solve) -> int:
         motion = feedforward.solve(rig, reference, times, hold=hold)
     except PathError as error:  # there is nothing to write
         return refuse(INFEASIBLE, report.problems or (str(error),))
-    written = bool(command.output) and (report.feasible or command.force)
+    output = output_file(command.output, f"{command.label()}.csv")
+    written = bool(output) and (report.feasible or command.force)
     if written:
-        motion.to_csv(command.output)
+        motion.to_csv(output)
     _show_motion(motion, reference)
     _show_answer(report)
     if written:
-        console().print(f"wrote {command.output}: {len(motion.times)} samples", soft_wrap=True)
+        console().print(f"wrote {output}: {len(motion.times)} samples", soft_wrap=True)
     plot(command.plot, report, move.obstacles)
     return refuse(INFEASIBLE, report.problems, force=command.force)
 

@@ -19,6 +19,7 @@ from .. import options
 from ..as_json import show_json
 from ..console import console, warning
 from ..exits import complain, refuse
+from ..option_values import output_file
 from ..tables import table, write_csv
 from .feasible import INFEASIBLE
 from .hand_facts import (
@@ -247,14 +248,15 @@ def write_solution(command: options.Solve) -> int:
     except PathError as error:  # there is nothing to write
         return refuse(INFEASIBLE, [str(error)])
     found.grip(within)
-    written = bool(command.output) and (not found.problems or command.force)
+    output = output_file(command.output, f"{command.label()}.csv")
+    written = bool(output) and (not found.problems or command.force)
     if written:
-        _write(command.output, motion, found, bool(hold))
+        _write(output, motion, found, bool(hold))
     _show_motion(motion)
     console().print(f"Error of all integrals: at most {motion.quadrature_error:.1e} rad")
     _show_answer(found)
     if written:
-        console().print(f"wrote {command.output}: {len(motion.times)} samples", soft_wrap=True)
+        console().print(f"wrote {output}: {len(motion.times)} samples", soft_wrap=True)
     return refuse(INFEASIBLE, found.problems, force=command.force)
 
 

@@ -7,7 +7,6 @@ import threading
 import time
 import webbrowser
 from dataclasses import fields, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from ...models.values import as_number, shown
 from .. import options
 from ..console import console, warning
 from ..exits import DONE
+from ..option_values import output_folder
 from ..policy import Policy
 from .recording import Recording
 from .session import Session, Wishes
@@ -49,7 +49,7 @@ class Drive:
         base = feedforward.base_at(path, 0.0)
         self.session = Session(rig, np.asarray(still(path).start), policy, base)
         self.sketch = Sketch(self.session.task)
-        self.folder = Path(command.output or f"results/drive-{command.label()}")
+        self.folder = output_folder(command.output, f"results/drive-{command.label()}")
         self._strongest = STRONGEST * rig.weight
         self._lock = threading.Lock()
         self._wishes = self.session.wishes

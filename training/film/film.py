@@ -20,6 +20,7 @@ from ..compare.chosen import chosen, scenario_of
 from ..console import console
 from ..describe.feasible import INFEASIBLE, problems_of
 from ..exits import DONE, refuse
+from ..option_values import output_file
 from .filming import STILLS, Film, Look
 from .takes import Shot, crane_shot, hand_shot
 
@@ -87,7 +88,8 @@ def _check(command: options.Render) -> str:
             f"{least} to {width} and {least} to {height} pixels"
         )
     check_camera(command.camera)
-    path = command.output or f"results/{command.label()}.gif"
+    name = f"{command.label()}.gif"
+    path = output_file(command.output, name) or f"results/{name}"
     if path != STANDARD_OUTPUT and not path.lower().endswith(ENDINGS):
         raise OptionError(f"--output is {path}, its ending must be .gif, .mp4 or .png")
     return path

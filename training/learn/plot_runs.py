@@ -21,6 +21,7 @@ from ...models.reading import read_json, read_text
 from ...models.types import Array
 from .. import options, plots
 from ..console import console
+from ..option_values import output_file
 from .run_folder import TABLES
 
 UNTOLD = ("seed", "seeds", "output", "resume", "threads", "tensorboard", "every")
@@ -65,7 +66,7 @@ def main(command: options.Plot) -> None:
         raise OptionError(
             "name one or several folders of runs, such as runs/overhead_crane-sway-seed0"
         )
-    path = command.output or "results/runs.png"
+    path = output_file(command.output or "results", "runs.png")
     plots.check_picture(path)
     runs = [read_run(Path(folder)) for folder in command.runs]
     draw(runs, path)

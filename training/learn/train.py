@@ -20,6 +20,7 @@ from ..console import console
 from ..describe.feasible import INFEASIBLE, problems_of
 from ..exits import DONE, refuse
 from ..lock import locked
+from ..option_values import output_folder
 from .run_folder import check_run, cut_tables, make_run_folder, read_config, write_config
 from .seeds import in_turn, seeds_of, train_seeds
 from .settings import Settings
@@ -42,7 +43,9 @@ def main(command: options.Train) -> int:
 
 def train_one(command: options.Train) -> int:
     """One run."""
-    folder = Path(command.output or f"runs/{command.label()}-{command.sensors}-seed{command.seed}")
+    folder = output_folder(
+        command.output, f"runs/{command.label()}-{command.sensors}-seed{command.seed}"
+    )
     check_run(folder, resume=command.resume)
     if command.resume:
         with locked(folder):

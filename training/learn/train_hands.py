@@ -23,6 +23,7 @@ from ..console import console
 from ..exits import DONE
 from ..learned import LearnedLaw
 from ..lock import locked
+from ..option_values import output_folder
 from ..policy import Policy
 from ..tables import append_csv
 from .hand_teacher import visible
@@ -73,7 +74,7 @@ def train_one(command: options.Train) -> int:
     hand, move = command.hand_target()
     if command.duration is None:
         move = replace(move, duration=DURATION)
-    folder = Path(command.output or f"runs/{hand.name}-encoders-seed{command.seed}")
+    folder = output_folder(command.output, f"runs/{hand.name}-encoders-seed{command.seed}")
     check_folder(folder)
     _train(hand, move, command, folder, console())
     return DONE

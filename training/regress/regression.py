@@ -31,6 +31,7 @@ from .. import options
 from ..console import console, warning
 from ..jobs import Backend, Jobs, Processes, backend_for, record
 from ..look_up import is_hand
+from ..option_values import output_folder
 from ..simulate.drift import free_motion
 from ..tables import write_csv
 from . import baseline, crane_rows, hand_rows, regression_figures, regression_tables
@@ -56,7 +57,7 @@ def main(command: options.Regress) -> int:
     version = ""
     if not command.update or file.exists():  # what cannot be added to is refused before the runs
         stored, version = baseline.read(file)
-    folder, out = Path(command.output or FOLDER), console()
+    folder, out = output_folder(command.output, FOLDER), console()
     backend = backend_for(command.on, command.processes, folder, begin=quiet)
     make_folder(folder)
     rows = measure(names, folder, command.resume, command.update, backend)

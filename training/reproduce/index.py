@@ -13,6 +13,7 @@ from ...models.errors import OptionError, did_you_mean
 from ...models.files import STANDARD_OUTPUT, make_folder
 from .. import options
 from ..console import console
+from ..option_values import output_folder
 from ..tables import table
 from .entry import Entry, entries
 from .gallery import write_page
@@ -34,7 +35,7 @@ def main(command: options.Reproduce) -> None:
         write_page(Path(command.page), chosen)
         out.print(f"wrote {command.page}", soft_wrap=True)
         return
-    folder = Path(command.output or FOLDER)
+    folder = output_folder(command.output, FOLDER)
     if command.output:  # found out before the figures are computed
         make_folder(folder)
     for entry in chosen:

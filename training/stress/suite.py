@@ -37,6 +37,7 @@ from ...models.mjcf.simulate import quiet
 from .. import options
 from ..console import console, warning
 from ..jobs import Jobs, Result, backend_for
+from ..option_values import output_folder
 from ..tables import table, write_csv
 from . import (
     episode_cases,
@@ -61,7 +62,7 @@ def main(command: options.Stress) -> int:
     for name, lowest in (("rigs", 1), ("processes", 1), ("seed", 0)):
         options.check_number(name, getattr(command, name), lowest=lowest, open_end=False)
     chosen = _chosen(list(cases(command.rigs, command.seed)), command.only)
-    folder, out = Path(command.output or FOLDER), console()
+    folder, out = output_folder(command.output, FOLDER), console()
     begin = time.perf_counter()
     outcomes = run(chosen, folder, command)
     columns = [item.name for item in fields(Outcome)]
