@@ -89,6 +89,10 @@ def run(options: Any) -> int:
         return _fail(str(error))
     except MemoryError:
         return _fail("out of memory; ask for fewer samples or simulations")
+    except RuntimeError as error:
+        if "MUJOCO_GL" not in str(error):  # which MuJoCo refuses as it is imported
+            raise
+        return _fail(f"{error}; egl, osmesa and glfw are some")
     except BrokenPipeError:
         return _unread()
     except OSError as error:

@@ -352,6 +352,18 @@ def test_a_mistake_gets_one_line(case, capsys):
     assert err.count("\n") == 1
 
 
+def test_an_unknown_backend_is_named_in_one_line(capsys, monkeypatch):
+    def refuse(command):
+        raise RuntimeError("invalid value for environment variable MUJOCO_GL: nonsense")
+
+    monkeypatch.setattr("flatrig.training.film.film.of_a_crane", refuse)
+    assert main(["render", "overhead"]) == 2
+    assert capsys.readouterr().err == (
+        "flatrig: error: invalid value for environment variable MUJOCO_GL: nonsense; egl, osmesa "
+        "and glfw are some\n"
+    )
+
+
 def test_where_nothing_draws_one_line_says_so(capsys, monkeypatch):
     def fail():
         raise ModelError("cannot draw: neither EGL nor OSMesa works here")
