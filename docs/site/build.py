@@ -21,6 +21,14 @@ from flatrig.training.describe.toml_page import toml_page
 
 SITE = Path(__file__).resolve().parent
 ROOT = SITE.parents[1]
+FIRST = """\
+<!doctype html>
+<title>flatrig</title>
+<meta http-equiv="refresh" content="0; url=docs/index.html">
+<a href="docs/index.html">flatrig's documentation</a>
+"""
+OPTIONS = ["-b", "html", "-n", "-W", "--keep-going", "-q", "-E", "-a", "-j", "auto"]
+"""All anew, since every page shows the table of contents; and a warning is a mistake."""
 LINKED = re.compile(r"\]\((?!https?:|mailto:)([^)#\s]+)")
 
 
@@ -58,10 +66,10 @@ def main(folder: Path = ROOT / "build" / "docs") -> int:
     api.write(reference / "api")
     (reference / "toml.md").write_text(toml_page(), encoding="utf-8")
     write_environments(reference / "environments")
-    options = ["-b", "html", "-n", "-W", "--keep-going", "-q", "-j", "auto", "-c", str(SITE)]
-    status = sphinx([*options, "-d", str(folder / "doctrees"), str(source), str(html)])
-    first = '<meta http-equiv="refresh" content="0; url=docs/index.html">'
-    (html / "index.html").write_text(f"<!doctype html>\n{first}\n", encoding="utf-8")
+    html.mkdir(parents=True, exist_ok=True)
+    places = ["-c", SITE, "-d", folder / "doctrees", source, html]
+    status = sphinx([*OPTIONS, *map(str, places)])
+    (html / "index.html").write_text(FIRST, encoding="utf-8")
     print(html / "index.html")
     return status
 

@@ -48,7 +48,7 @@ def show(command: Docs) -> None:
     elif command.page:
         _print(_text(command.page))
     else:
-        index = HTML / "index.html"
+        index = HTML / "docs" / "index.html"
         print(index if index.exists() else ROOT / "docs" / "index.md")
         titles = {name: _title(path) for name, path in written_pages().items()}
         titles |= dict.fromkeys(made_pages(), "made from the code")
@@ -99,7 +99,7 @@ def _to_open(page: str) -> Path:
         There is none, or it is made from the code and not built.
     """
     if not page:
-        built, path = HTML / "index.html", ROOT / "docs" / "index.md"
+        built, path = HTML / "docs" / "index.html", ROOT / "docs" / "index.md"
     elif (found := _file(page)) is not None:
         path = found
         built = HTML / path.relative_to(ROOT).with_suffix(".html")
