@@ -69,15 +69,15 @@ def test_every_camera_keeps_the_load_in_its_picture(name):
     rig, model, path = planned(name)
     bodies = payload_bodies(rig)
     views = Views(model, path, bodies, ASPECT)
-    for camera in ("auto", "follow", "top", "orbit"):
-        view = views.view(camera)
+    seen = {camera: views.view(camera) for camera in ("auto", "follow", "top", "orbit")}
+    for camera, view in seen.items():
         for share in (0.0, 0.5, 1.0):
             data = placed(model, path[round(share * (len(path) - 1))])
             pose = view.at(share, views.subject(data))
             spots = pose.project(data.xipos[[model.body(body).id for body in bodies]], ASPECT)
             assert np.abs(spots).max() < 0.9, (camera, share)
-    assert views.view("auto").hidden[-1] < 0.25  # no tower is before it at the end
-    assert views.view("follow").hidden[-1] < 0.25
+    assert seen["auto"].hidden[-1] < 0.25  # no tower is before it at the end
+    assert seen["follow"].hidden[-1] < 0.25
 
 
 def test_the_camera_goes_round_a_tower_that_hides_the_load():
