@@ -1,13 +1,17 @@
 """Figures.  Matplotlib is loaded only here, and draws without a display."""
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 from ..models.errors import OptionError
 from ..models.files import replacing
+from ..models.types import Array
 
 COLOURS = ("#8c8c8c", "#56b4e9", "#e69f00", "#0072b2", "#d55e00", "#009e73")
 """Colours that any colour vision tells apart (Okabe and Ito)."""
+LETTERS = 62
+"""Of a legend that is as wide as its panel."""
 _STYLE: dict[str, Any] = {
     "font.size": 9.0,
     "axes.spines.top": False,
@@ -51,6 +55,33 @@ def legend_below(figure: Any, *axes: Any) -> None:
     columns = len(named) if len(named) < 6 else 4
     options = {"loc": "outside lower center", "ncols": columns, "fontsize": 8, "frameon": False}
     figure.legend(lines, texts, **options)
+
+
+def over_time(axes: Any, times: Array, words: str, lines: Iterable[tuple[str, Array]]) -> None:
+    """A panel of some series over time, by their names."""
+    named = list(lines)
+    for (name, values), look in zip(named, looks(len(named)), strict=True):
+        axes.plot(times, values, linewidth=1.3, label=name, **look)
+    title(axes, words)
+    axes.set(xlabel="time [s]", xlim=(times[0], times[-1]))
+    panel_legend(axes, [name for name, _ in named])
+
+
+def panel_legend(axes: Any, names: Sequence[str]) -> None:
+    """What lines are, below the panel: nothing is hidden by it."""
+    columns = max(1, min(len(names), LETTERS // (4 + max(map(len, names), default=1))))
+    place = {"loc": "upper left", "bbox_to_anchor": (-0.02, -0.19), "frameon": False}
+    if names:
+        axes.legend(fontsize=7, ncols=columns, columnspacing=1.0, handlelength=1.2, **place)
+
+
+def looks(count: int) -> list[dict[str, Any]]:
+    """Looks of so many lines: colours that any eye tells apart, then the same with dashes."""
+    colours = COLOURS[1:]
+    return [
+        {"color": colours[k % len(colours)], "linestyle": ("-", "--", ":")[k // len(colours) % 3]}
+        for k in range(count)
+    ]
 
 
 UNSAID: dict[str, dict[str, None]] = {

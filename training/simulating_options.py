@@ -1,11 +1,30 @@
 """What the commands ask for that simulate and film."""
 
 from .commands import command
-from .option_values import Output
+from .option_values import Json, Output
 from .rig_options import RigOptions
 
 GROUP = "Simulate and film"
 """Heading below which help lists these commands."""
+
+
+@command(crane=".simulate.run_cranes:main")
+class Run(RigOptions):
+    """Simulate one episode with a controller, and write and draw what happened."""
+
+    controller: str = "ff+pd"
+    """Name of a controller as `flatrig compare` has it: pd, ff, ff+pd, observer, lqr, residual."""
+    policy: str = ""
+    """Policy of a learned controller (.json); the shipped one if left out."""
+    scenario: str = ""
+    """How the plant differs from its description, such as load_mass=1.2,wind=20."""
+    seed: int | None = None
+    """Draw the plant from the standard disturbances instead."""
+    hold: float = 3.0
+    """Time to go on after arrival [s]."""
+    output: Output = ""
+    """Folder for the table and the figure; results/run-RIG if left out."""
+    json: Json = False
 
 
 @command(crane=".film.film:of_a_crane", hand=".film.film:of_a_hand")

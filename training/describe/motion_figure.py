@@ -1,6 +1,6 @@
 """A crane's move on one page: where it goes, what its drives do, what its ropes carry."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import isfinite
 from typing import Any
@@ -15,8 +15,6 @@ from ..console import console
 
 SNAPSHOTS = 4
 """Times at which ropes and links are drawn, from the start to the goal."""
-LETTERS = 62
-"""Of a legend that is as wide as its panel."""
 
 
 def check_plot(path: str) -> None:
@@ -79,16 +77,20 @@ def draw(report: feedforward.Feasibility, title: str, obstacles: Sequence[Obstac
         _view(second, motion, places, 1, "top view [m]")
         _stand(second, obstacles, 1)
     else:
-        _over_time(second, motion, "outputs [m], [rad]", _named(motion.rig.outputs, motion.outputs))
+        plots.over_time(
+            second, motion.times, "outputs [m], [rad]", _named(motion.rig.outputs, motion.outputs)
+        )
     pulls, unit = _scaled(motion.tensions, "N")
-    _over_time(tensions, motion, f"tensions [{unit}]", _named(motion.rig.tension_names, pulls))
+    plots.over_time(
+        tensions, motion.times, f"tensions [{unit}]", _named(motion.rig.tension_names, pulls)
+    )
     tensions.axhline(0.0, color="#404040", linewidth=0.9)
-    _over_time(inputs, motion, "inputs over their limits [%]", _of_limits(report))
+    plots.over_time(inputs, motion.times, "inputs over their limits [%]", _of_limits(report))
     for share in (-100.0, 100.0):
         inputs.axhline(share, color="#404040", linewidth=0.9, linestyle=(0, (4, 3)))
-    _over_time(speeds, motion, "speeds over limit or largest [%]", _of_speeds(report))
+    plots.over_time(speeds, motion.times, "speeds over limit or largest [%]", _of_speeds(report))
     ropes = _named(motion.rig.rope_names, motion.rope_lengths)
-    _over_time(lengths, motion, "lengths of ropes [m]", ropes)
+    plots.over_time(lengths, motion.times, "lengths of ropes [m]", ropes)
     return drawn
 
 
@@ -117,13 +119,13 @@ def _view(
         for body in rig.hanging:
             place = places[body.name][row]
             axes.plot(place[0], place[across], "o", color=plots.COLOURS[3], markersize=5, zorder=3)
-    for body, look in zip(rig.hanging, _looks(len(rig.hanging)), strict=True):
+    for body, look in zip(rig.hanging, plots.looks(len(rig.hanging)), strict=True):
         path = places[body.name]
         axes.plot(path[:, 0], path[:, across], linewidth=1.6, label=body.name, **look)
     axes.set_aspect("equal", adjustable="datalim")
     plots.title(axes, words)
     axes.set(xlabel="x", ylabel="xyz"[across])
-    _legend(axes, [body.name for body in rig.hanging])
+    plots.panel_legend(axes, [body.name for body in rig.hanging])
 
 
 def _stand(axes: Any, obstacles: Sequence[Obstacle], across: int) -> None:
@@ -145,26 +147,6 @@ def _stand(axes: Any, obstacles: Sequence[Obstacle], across: int) -> None:
             middle = tuple(0.5 * (low + high))
             axes.add_patch(Rectangle(tuple(low), *(high - low), **look))
         axes.annotate(thing.name, middle, ha="center", va="center", fontsize=7)
-
-
-def _over_time(
-    axes: Any, motion: feedforward.Motion, words: str, lines: Iterable[tuple[str, Array]]
-) -> None:
-    """Some series over the time of the move."""
-    named = list(lines)
-    for (name, values), look in zip(named, _looks(len(named)), strict=True):
-        axes.plot(motion.times, values, linewidth=1.3, label=name, **look)
-    plots.title(axes, words)
-    axes.set(xlabel="time [s]", xlim=(motion.times[0], motion.times[-1]))
-    _legend(axes, [name for name, _ in named])
-
-
-def _legend(axes: Any, names: Sequence[str]) -> None:
-    """What lines are, below the panel: nothing is hidden by it."""
-    columns = max(1, min(len(names), LETTERS // (4 + max(map(len, names), default=1))))
-    place = {"loc": "upper left", "bbox_to_anchor": (-0.02, -0.19), "frameon": False}
-    if names:
-        axes.legend(fontsize=7, ncols=columns, columnspacing=1.0, handlelength=1.2, **place)
 
 
 def _named(names: Sequence[str], columns: Array) -> Iterator[tuple[str, Array]]:
@@ -197,12 +179,3 @@ def _of_speeds(report: feedforward.Feasibility) -> Iterator[tuple[str, Array]]:
         told = f"{size.speed:.3g} of {drive.speed:.3g}" if limited else f"at most {size.speed:.3g}"
         whole = (drive.speed if limited else size.speed) or 1.0
         yield f"{drive.name} ({told} {unit})", 100.0 * values / rig.arm(drive) / whole
-
-
-def _looks(count: int) -> list[dict[str, Any]]:
-    """Looks of so many lines: colours that any eye tells apart, then the same with dashes."""
-    colours = plots.COLOURS[1:]
-    return [
-        {"color": colours[k % len(colours)], "linestyle": ("-", "--", ":")[k // len(colours) % 3]}
-        for k in range(count)
-    ]
