@@ -15,7 +15,13 @@ from .describing_options import (
     Example as Example,
     Docs as Docs,
 )
-from .simulating_options import Run as Run, Render as Render, Drive as Drive, Scenes as Scenes
+from .simulating_options import (
+    Run as Run,
+    Report as Report,
+    Render as Render,
+    Drive as Drive,
+    Scenes as Scenes,
+)
 from .learning_options import (
     MINUTES as MINUTES,
     Compare as Compare,

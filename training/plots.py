@@ -10,6 +10,8 @@ from ..models.types import Array
 
 COLOURS = ("#8c8c8c", "#56b4e9", "#e69f00", "#0072b2", "#d55e00", "#009e73")
 """Colours that any colour vision tells apart (Okabe and Ito)."""
+DENSITY = 160.0
+"""Of pictures [pixels per inch]."""
 LETTERS = 62
 """Of a legend that is as wide as its panel."""
 _STYLE: dict[str, Any] = {
@@ -22,7 +24,6 @@ _STYLE: dict[str, Any] = {
     "grid.linewidth": 0.7,
     "legend.frameon": False,
     "figure.dpi": 100.0,
-    "savefig.dpi": 160.0,
 }
 
 
@@ -119,4 +120,4 @@ def save(drawn: Any, path: str | Path) -> None:
     import matplotlib
 
     with replacing(path) as beside, matplotlib.rc_context({"svg.hashsalt": "flatrig"}):
-        drawn.savefig(beside, format=kind[1:], dpi=_STYLE["savefig.dpi"], metadata=UNSAID[kind])
+        drawn.savefig(beside, format=kind[1:], dpi=DENSITY, metadata=UNSAID[kind])

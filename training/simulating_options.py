@@ -27,6 +27,22 @@ class Run(RigOptions):
     json: Json = False
 
 
+@command(crane=".report.report_cranes:main")
+class Report(RigOptions):
+    """Write a page for a colleague: the crane, its move, what drives need, simulation and film."""
+
+    controller: str = "ff+pd"
+    """Names of controllers as `flatrig compare` has them, with commas between them."""
+    policy: str = ""
+    """Policy of a learned controller (.json); the shipped one if left out."""
+    scenario: str = "load_mass=1.2"
+    """How the simulated plant differs from its description, such as load_mass=1.2,wind=20."""
+    plain: bool = False
+    """Without pictures and film, which need OpenGL and take a while."""
+    output: Output = ""
+    """HTML file to write; results/RIG.html if left out."""
+
+
 @command(crane=".film.film:of_a_crane", hand=".film.film:of_a_hand")
 class Render(RigOptions):
     """Film the move without a display, one or several controllers side by side."""

@@ -4,7 +4,7 @@ rig, move = models.make("overhead"), models.default_move("overhead")
 episode = simulate(rig, move, chosen("lqr", "crane", rig)[0], Scenario(load_mass=1.2))
 """
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import mujoco
@@ -45,6 +45,17 @@ class Episode:
     def errors(self) -> Array:
         """Deviations of the outputs from the plan, shape (T, outputs)."""
         return self.outputs - self.planned
+
+    @property
+    def distances(self) -> Array:
+        """How far the outputs are from the plan, all together, shape (T,)."""
+        return np.asarray(np.linalg.norm(self.errors, axis=1))
+
+    @property
+    def differs(self) -> dict[str, float]:
+        """Numbers of the plant that are not as described, by name."""
+        plain = asdict(Scenario())
+        return {name: x for name, x in asdict(self.scenario).items() if x != plain[name]}
 
 
 def simulate(

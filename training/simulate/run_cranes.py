@@ -4,7 +4,6 @@ The result folder holds run.csv (a row for each control period) and run.png.
 """
 
 from collections.abc import Iterator
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from ..console import console
 from ..describe.summary import facts
 from ..exits import DONE, NO, complain
 from ..option_values import output_folder
+from . import episode_figure
 from .one_episode import Episode, simulate
 
 
@@ -46,7 +46,7 @@ def main(command: options.Run) -> int:
         np.savetxt(
             beside, np.column_stack([*columns.values()]), "%.9g", ",", header=heads, comments=""
         )
-    plots.save(draw(episode), folder / "run.png")
+    plots.save(episode_figure.draw(episode), folder / "run.png")
     found = _found(episode)
     if command.json:
         show_json(found)
@@ -76,12 +76,11 @@ def _columns(episode: Episode) -> Iterator[tuple[str, Array]]:
 
 def _found(episode: Episode) -> dict[str, Any]:
     """What is told of an episode."""
-    distance, plain = np.linalg.norm(episode.errors, axis=1), asdict(Scenario())
-    plant = {name: x for name, x in asdict(episode.scenario).items() if x != plain[name]}
+    distance = episode.distances
     return {
         "rig": episode.rig.name,
         "controller": episode.controller,
-        "scenario": plant,
+        "scenario": episode.differs,
         "duration_s": float(episode.times[-1]),
         "ended_early": episode.ended or None,
         "error_rms_m": float(np.sqrt(np.mean(distance**2))),
@@ -101,23 +100,3 @@ def _show(found: dict[str, Any]) -> None:
         ("lowest tension", f"{found['lowest_tension_N']:.4g} N"),
     ]
     console().print(facts(f"{found['rig']}, {found['controller']}", rows))
-
-
-def draw(episode: Episode) -> Any:
-    """The figure of an episode: errors, inputs, tensions and energy over time."""
-    rig = episode.rig
-    limits = np.array([drive.largest for drive in rig.drives])[: episode.inputs.shape[1]]
-    kilo = np.abs(episode.tensions).max(initial=0.0) >= 5e3
-    tensions = episode.tensions / (1e3 if kilo else 1.0)
-    drawn, panels = plots.figure(9.6, 6.6, nrows=2, ncols=2)
-    plots.heading(drawn, f"{rig.name}, {episode.controller}")
-    shown = (
-        ("errors of outputs [mm], [mrad]", rig.outputs, 1e3 * episode.errors),
-        ("inputs over their limits [%]", rig.input_names, 100.0 * episode.inputs / limits),
-        (f"tensions [{'kN' if kilo else 'N'}]", rig.tension_names, tensions),
-        ("energy above that of the start [kJ]", ("kinetic", "potential"), 1e-3 * episode.energy),
-    )
-    for axes, (words, names, values) in zip(panels.flat, shown, strict=True):
-        plots.over_time(axes, episode.times, words, zip(names, values.T, strict=False))
-        axes.axvline(episode.arrival, color="#404040", linewidth=0.9, linestyle=(0, (4, 3)))
-    return drawn

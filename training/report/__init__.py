@@ -1,0 +1,1 @@
+"""`flatrig report`: one page about a crane and its move, for a colleague."""
