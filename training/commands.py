@@ -74,7 +74,7 @@ def command(
 
     def register(options: type[T]) -> type[T]:
         options = dataclass(frozen=True)(with_plain_help(options))
-        group = getattr(sys.modules[options.__module__], "GROUP", "")
+        group = getattr(sys.modules.get(options.__module__), "GROUP", "")
         COMMANDS[options] = Command(main, crane, hand, every, group)
         return options
 

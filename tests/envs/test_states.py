@@ -265,7 +265,7 @@ def test_a_state_must_know_the_controllers_and_stand_alone():
 def test_states_of_some_simulations_and_wrong_ones(wrap):
     vector = wrap(gym.make_vec(OVERHEAD, num_envs=3, nthread=1))
     vector.reset(seed=0)
-    vector.step(noise(vector, 1)[0])
+    vector.step(np.tile(noise(vector, 1), (3, 1)))
     two = vector.get_state([0, 2])
     vector.set_state(two[::-1], [1, 2])
     third, fourth = (vector.get_state([sim])[0] for sim in (1, 2))

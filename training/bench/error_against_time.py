@@ -46,7 +46,7 @@ def main(command: options.Bench) -> None:
     for name in absent(chosen):
         out.print(f"{name} is not installed (pip install 'flatrig[peers]'), it is left out")
     chosen = [unit for unit in chosen if unit.name not in BY_NAME or BY_NAME[unit.name].present]
-    folder = Path("") if picture else output_folder(command.output, FOLDER)
+    folder = Path(command.output) if picture else output_folder(command.output, FOLDER)
     backend = backend_for(command.on, command.processes, folder.parent if picture else folder)
     if not picture:
         make_folder(folder)

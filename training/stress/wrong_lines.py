@@ -39,13 +39,13 @@ OUT_OF_RANGE = (
     ("render", "--camera", ("", "tpo", "9")),
     ("render", "--controller", ("pq", ",", "ff,,pd", "pd,pd", "ff+pdd")),
     ("render", "--scenario", ("x", "load_mass", "load_mass=x", "lode_mass=1", "wind=nan", "=3")),
-    ("render", "--output", ("film.avi", "film", ".gif/")),
+    ("render", "--output", ("film.avi", "film.txt")),
     ("train", "--steps", ("0", "-1")),
     ("stress", "--rigs", ("0", "-1")),
     ("regress", "--baseline", ("nowhere.csv", ".", "file.toml", "a\0b")),
 )  # fmt: skip
 """Commands, options, and values that they cannot have."""
-NO_FILES = ("file.toml/a.csv", ".", "a\0b.csv", "kept.csv", "x" * 300)
+NO_FILES = ("file.toml/a.csv", "a\0b.csv", "kept.csv", "x" * 300)
 """What no table can be written to, in a folder with these two files."""
 
 
