@@ -84,9 +84,11 @@ def test_a_teacher(tmp_path: Path) -> None:
 
 
 def test_a_student_of_reinforcement_learning(tmp_path: Path) -> None:
-    pytest.importorskip("torch", reason="needs the extra train")
+    pytest.importorskip("stable_baselines3", reason="needs the extra train")
     played("student", tmp_path)
     assert "## Action" in (tmp_path / "environment.md").read_text()
-    assert (tmp_path / "trained" / "policy.safetensors").stat().st_size < 300_000
+    assert (tmp_path / "agent.zip").stat().st_size > 10_000
+    found = json.loads((tmp_path / "run.json").read_text())
+    assert found["ended_early"] is None
+    assert found["error_rms_m"] < 0.1
     assert "residual, sway" in (tmp_path / "compared.json").read_text()
-    assert (tmp_path / "curves.png").stat().st_size > 10_000

@@ -1,11 +1,17 @@
-# A student of reinforcement learning: an environment, a policy of her own, and how good it is.
+# A student of reinforcement learning: an environment, an agent of stable-baselines3 on it, and how
+# good the shipped residual is beside classical controllers.
 flatrig docs OverheadCrane > environment.md
 python -c "
-import gymnasium
+import gymnasium as gym
+from stable_baselines3 import PPO
 from flatrig import envs
-env = gymnasium.make('flatrig/OverheadCrane-v0', disturbances='standard')
-print(env.reset(seed=0)[0].shape, env.step(env.action_space.sample())[1])
+from flatrig.envs.sb3 import VecEnv
+
+vector = gym.make_vec('flatrig/OverheadCrane-v0', num_envs=8, autoreset_mode='SameStep')
+vector = envs.Residual(envs.Feedforward(envs.PD(vector)), fraction=0.1)
+agent = PPO('MlpPolicy', VecEnv(vector), n_steps=64, device='cpu')
+agent.learn(512)
+agent.save('agent')
 "
-flatrig train overhead --sensors sway --iterations 1 --episodes 4 --threads 1 -o trained
-flatrig plot trained -o curves.png
-flatrig compare overhead --policy trained/policy.json --scenarios 4 --sets own --json -o compared > compared.json
+flatrig run overhead --controller residual --scenario load_mass=1.2 --json -o run > run.json
+flatrig compare overhead --scenarios 2 --sets own --json -o compared > compared.json
