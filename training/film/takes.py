@@ -6,13 +6,12 @@ shot = crane_shot(rig, move, chosen("pd,ff+pd", "crane", rig), Scenario(load_mas
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import mujoco
 import numpy as np
 from rich.progress import track
 
-from ...envs import CraneEnv, HandEnv, HandScenario, Scenario
+from ...envs import HandEnv, HandScenario, Scenario
 from ...envs.crane.payloads import payload_bodies
 from ...feedforward import Reference, from_move, solve
 from ...feedforward.rolling import HandPlan, plan_hand
@@ -24,13 +23,14 @@ from ...models.rig.idealised import with_ideal_gears
 from ...models.rig.obstacles import Obstacle
 from ...models.types import Array
 from ..compare.chosen import Choice
-from ..compare.crane_runner import TIMESTEP
 from ..console import console
+from ..simulate.driven import driven
 from ..simulate.hand_runs import Track, run_track
+from ..simulate.one_episode import Episode, simulate
 from ..simulate.open_loop import open_loop, stand_in
 
-REST, SETTLING = 1.0, 3.0
-"""How long a film goes on after arrival, of exact inputs alone, and of controllers [s]."""
+REST = 1.0
+"""How long a film of exact inputs alone goes on after arrival [s]."""
 SURROUNDINGS = 6.0
 """How much of large plates is seen about an object, over its radius."""
 OPEN_LOOP = "exact feedforward"
@@ -110,23 +110,19 @@ def crane_shot(
     FlatrigError
         The rig cannot make the move, or a controller does not bear the rig.
     """
-    reference = from_move(move, rig)
-    ropes = rig.rope_names
-    if choices:
-        takes = []
-        for choice in _each(choices, bar):
-            env = CraneEnv(
-                rig,
-                reference=move,
-                sensors=choice.entry.sensors,
-                disturbances="standard",
-                hold=SETTLING,
-                timestep=TIMESTEP,
-            )
-            rows, seen, ended = _driven(env, choice, scenario, "tension")
-            meters = _tensions(ropes, seen)
-            takes.append(Take(choice.entry.name, _clock(env, rows), rows, meters, ended))
-        model = env.task.looks()
+    episodes = [simulate(rig, move, choice, scenario) for choice in _each(choices, bar)]
+    return shot_of(rig, move, episodes)
+
+
+def shot_of(rig: Rig, move: Move, episodes: Sequence[Episode] = ()) -> Shot:
+    """Episodes of a crane along a move; without any, what exact inputs alone do."""
+    reference, ropes = from_move(move, rig), rig.rope_names
+    if episodes:
+        model = episodes[0].env.task.looks()
+        takes = [
+            Take(one.controller, one.times, one.joints, _tensions(ropes, one.tensions), one.ended)
+            for one in episodes
+        ]
     else:
         run = open_loop(rig, reference, hold=REST)
         model = rig_model.compile(with_ideal_gears(rig), massless=stand_in(rig))
@@ -163,8 +159,9 @@ def hand_shot(
     for choice in _each(choices, bar):
         sensors = choice.entry.sensors
         env = HandEnv(hand, reference=move, sensors=sensors, disturbances="standard")
-        rows, turned, ended = _driven(env, choice, scenario, "turned")
-        takes.append(Take(choice.entry.name, _clock(env, rows), rows, _turned(turned), ended))
+        run = driven(env, choice, scenario, "turned")
+        turned = _turned(run.seen["turned"])
+        takes.append(Take(choice.entry.name, run.times, run.joints, turned, run.ended))
     model, plan = compile_hand(hand), plan_hand(hand, move)
     if not choices:
         takes.append(_by_plan(plan))
@@ -184,27 +181,6 @@ def _each(choices: Sequence[Choice], bar: bool) -> Iterable[Choice]:
     out = console(stderr=True)
     hidden = not (bar and out.is_terminal)
     return track(choices, "Driving", transient=True, console=out, disable=hidden)
-
-
-def _driven(
-    env: CraneEnv | HandEnv, choice: Choice, scenario: Any, told: str
-) -> tuple[Array, Array, str]:
-    """Joints (T, nq) and something of the infos (T, ...) in an episode, and why it ended early."""
-    above = choice.wrap(env)
-    _, info = above.reset(seed=0, options={} if scenario is None else {"scenario": scenario})
-    still = np.zeros(above.action_space.shape)
-    rows, seen = [env.task.plant.qpos[0].copy()], [np.array(info[told])]
-    while True:
-        _, _, terminated, truncated, info = above.step(still)
-        rows.append(env.task.plant.qpos[0].copy())
-        seen.append(np.array(info[told]))
-        if terminated or truncated:
-            reason = env.reasons[int(info["reason"])] if terminated else ""
-            return np.array(rows), np.array(seen), reason
-
-
-def _clock(env: CraneEnv | HandEnv, rows: Array) -> Array:
-    return np.asarray(env.task.period * np.arange(len(rows)))
 
 
 def _tensions(ropes: Sequence[str], values: Array) -> tuple[Meter, ...]:

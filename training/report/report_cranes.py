@@ -24,7 +24,7 @@ from ..describe.feasible import INFEASIBLE, look_at, nearest
 from ..describe.summary import point
 from ..exits import refuse
 from ..film.filming import Film, Look
-from ..film.takes import crane_shot
+from ..film.takes import shot_of
 from ..option_values import output_file
 from ..simulate import episode_figure
 from ..simulate.one_episode import Episode, simulate
@@ -140,7 +140,7 @@ def _simulated(
         words = f"errors, inputs, tensions and energy over time with {episode.controller}"
         yield page.figure(episode_figure.draw(episode), words)
     if pictures:
-        shot = crane_shot(rig, move, choices, scenario)
+        shot = shot_of(rig, move, episodes)
         yield page.picture(_png(Film(shot, STILL, still=True)), "png", "stills of the move")
         yield page.picture(_gif(Film(shot, FILM)), "gif", "a film of the move", "film")
 

@@ -5,7 +5,7 @@ episode = simulate(rig, move, chosen("lqr", "crane", rig)[0], Scenario(load_mass
 """
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -15,6 +15,12 @@ from ...models import Move, Rig
 from ...models.types import Array
 from ..compare.chosen import Choice
 from ..compare.crane_runner import TIMESTEP
+from .driven import driven
+
+HOLD = 3.0
+"""How long an episode goes on after arrival [s]."""
+SEEN = ("load", "reference", "input", "tension")
+"""Entries of `info` that an episode keeps."""
 
 
 @dataclass(frozen=True)
@@ -34,12 +40,32 @@ class Episode:
     """Inputs in the period before [N, N m], shape (T, drives)."""
     tensions: Array
     """Tensions of ropes and links [N], shape (T, ropes + links)."""
-    energy: Array
-    """Kinetic and potential energy above that of the start [J], shape (T, 2)."""
-    arrival: float
-    """When the move ends [s]."""
+    joints: Array
+    """Joints of the model, shape (T, nq)."""
+    rates: Array
+    """Their rates, shape (T, nv)."""
+    env: CraneEnv
+    """In which it happened."""
     ended: str
     """Why the episode ended early; "" if it did not."""
+
+    @property
+    def arrival(self) -> float:
+        """When the move ends [s]."""
+        return float(self.env.task.plans[0].reference.duration)
+
+    @cached_property
+    def energy(self) -> Array:
+        """Kinetic and potential energy above that of the start [J], shape (T, 2)."""
+        model = self.env.model
+        data, found = mujoco.MjData(model), np.zeros((len(self.times), 2))
+        for row, joints, rates in zip(found, self.joints, self.rates, strict=True):
+            data.qpos[:], data.qvel[:] = joints, rates
+            mujoco.mj_fwdPosition(model, data)
+            mujoco.mj_energyPos(model, data)
+            mujoco.mj_energyVel(model, data)
+            row[:] = data.energy[1], data.energy[0]
+        return np.asarray(found - found[0])
 
     @property
     def errors(self) -> Array:
@@ -64,7 +90,7 @@ def simulate(
     choice: Choice,
     scenario: Scenario | None,
     *,
-    hold: float = 3.0,
+    hold: float = HOLD,
     seed: int = 0,
 ) -> Episode:
     """Drive one plant along a move; without a scenario the seed draws one.
@@ -82,29 +108,21 @@ def simulate(
         hold=hold,
         timestep=TIMESTEP,
     )
-    above = choice.wrap(env)
-    told = {} if scenario is None else {"scenario": scenario}
-    _, info = above.reset(seed=seed, options=told)
-    still, terminated, truncated = np.zeros(above.action_space.shape), False, False
-    model, rows = env.model_of(0), [_row(env, info)]
-    while not (terminated or truncated):
-        _, _, terminated, truncated, info = above.step(still)
-        rows.append(_row(env, info))
-    outputs, planned, inputs, tensions, joints = (
-        np.array([row[k] for row in rows]) for k in range(5)
-    )
+    run = driven(env, choice, scenario, *SEEN, "scenario", seed=seed)
+    outputs, planned, inputs, tensions = (run.seen[name] for name in SEEN)
     return Episode(
         rig=rig,
         controller=choice.entry.name,
-        scenario=scenario or _drawn(info["scenario"]),
-        times=np.asarray(env.task.period * np.arange(len(rows)), dtype=np.float64),
+        scenario=scenario or _drawn(run.seen["scenario"][0]),
+        times=run.times,
         outputs=outputs,
         planned=planned,
         inputs=inputs,
         tensions=tensions,
-        energy=_energy(model, joints),
-        arrival=move.duration or env.task.period * len(rows) - hold,
-        ended=env.reasons[int(info["reason"])] if terminated else "",
+        joints=run.joints,
+        rates=run.rates,
+        env=env,
+        ended=run.ended,
     )
 
 
@@ -112,21 +130,3 @@ def _drawn(numbers: Array) -> Scenario:
     """The plant that was drawn, from its numbers."""
     values = dict(zip(Scenario.__dataclass_fields__, numbers.tolist(), strict=True))
     return Scenario(**values | {"delay": int(values["delay"])})
-
-
-def _row(env: CraneEnv, info: dict[str, Any]) -> tuple[Array, ...]:
-    plant = env.task.plant
-    seen = (np.array(info[name]) for name in ("load", "reference", "input", "tension"))
-    return (*seen, np.concatenate((plant.qpos[0], plant.qvel[0])))
-
-
-def _energy(model: mujoco.MjModel, joints: Array) -> Array:
-    """Kinetic and potential energy of joints and rates (T, nq + nv), above that of the start."""
-    data, found = mujoco.MjData(model), np.zeros((len(joints), 2))
-    for row, values in zip(found, joints, strict=True):
-        data.qpos[:], data.qvel[:] = values[: model.nq], values[model.nq :]
-        mujoco.mj_fwdPosition(model, data)
-        mujoco.mj_energyPos(model, data)
-        mujoco.mj_energyVel(model, data)
-        row[:] = data.energy[1], data.energy[0]
-    return np.asarray(found - found[0])
