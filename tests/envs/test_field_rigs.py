@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from flatrig import envs, models
-from flatrig.models.errors import OptionError
+from flatrig.envs import CraneEnv
+from flatrig.models.errors import FlatrigError, OptionError
+from flatrig.training.compare.contenders import contenders_for
 
 FOLDER = Path(__file__).resolve().parents[1] / "field"
 FILES = sorted(FOLDER.glob("*.toml"))
@@ -49,3 +51,22 @@ def test_the_regulator_holds_a_platform_whose_open_tensions_are_outputs():
 def test_a_load_on_more_ropes_than_freedoms_does_not_swing():
     with pytest.raises(OptionError, match="4 ropes hold load of redundant4_point"):
         envs.SwingDamping(disturbed(FOLDER / "redundant4_point.toml"))
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_every_classical_controller_drives_it_or_refuses(file):
+    """As `flatrig compare` puts them around the environment; anything else is a traceback there."""
+    rig, move = models.load(file)
+    drove = []
+    for entry in contenders_for("crane"):
+        if entry.learned:
+            continue
+        env = CraneEnv(rig, reference=move, sensors=entry.sensors, disturbances="standard")
+        try:
+            env = entry.wrap(env)
+            env.reset(seed=0)
+            env.step(np.zeros(env.action_space.shape))
+        except FlatrigError:
+            continue
+        drove.append(entry.name)
+    assert {"FF + PD", "observer", "LQR, sway"} <= set(drove)
