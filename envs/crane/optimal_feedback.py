@@ -213,9 +213,8 @@ def _with_integrals(
     longer = np.zeros((count, size + rows, size + rows))
     longer[:, :size, :size] = stage.transition
     longer[:, size:, :joints] = model.period * scaled
-    moved = np.any(
-        scaled != 0.0, axis=2
-    )  # a tension that no joint moves cannot be held: it is forgotten
+    # A tension that no joint moves cannot be held: it is forgotten.
+    moved = np.any(scaled != 0.0, axis=2)
     longer[:, size:, size:] = np.expand_dims(moved, 2) * np.eye(rows)
     cost = np.zeros_like(longer)
     costs = np.broadcast_to(1.0 / np.square(patience), count)
